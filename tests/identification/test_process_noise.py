@@ -147,3 +147,22 @@ def test_the_error_of_a_delay_includes_process_noise():
         fit = output_error(trace.pose_measured, trace.u, motor_delay="fit")
         z.append((fit.motor_delay - 1.4) / fit.motor_delay_error)
     assert rms(z) < 2.5
+
+
+@pytest.mark.long
+@each_method
+def test_errors_that_resemble_their_neighbours_are_no_process_noise(method):
+    z = []
+    for seed in range(thorough(20, 6)):
+        trace = drive(seed, 0, steps=800)
+        driving = np.random.default_rng(seed).normal(size=(800, 3)) * MEASUREMENT / 5
+        errors = np.zeros((800, 3))
+        for k in range(1, 800):
+            errors[k] = 0.8 * errors[k - 1] + driving[k]
+        fit = METHODS[method](trace.pose_true + errors, trace.u)
+        assert fit.whiteness_p_value < 0.05
+        assert (fit.process_sigma == 0).all()
+        assert (fit.measurement_correlation > 0.6).all()
+        np.testing.assert_allclose(fit.measurement_sigma, MEASUREMENT / 3, rtol=0.3)
+        z.append((fit.theta - np.array(trace.info.theta_true)) / fit.standard_errors)
+    assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.5

@@ -27,14 +27,12 @@ def parameter_table(columns: Mapping[Column, NDArray[Any]]) -> Table:
 
 def noise_remarks(identify_from: str) -> tuple[str, ...]:
     """Return what standard errors from poses of the truth, measurement or estimate leave out."""
-    # Measured from 12 runs of 800 steps: true errors over standard errors of output error, 1.0 to
-    # 1.2 with 36 drawn headings, 4.5 to 5.5 with exact ones; of instrumental variables 0.9 to 2.4.
-    # Noise of the camera brings them nearer to 1 (tests/statistics/RESULTS.md).
+    # Measured from 12 runs of 800 steps: true errors over standard errors 0.9 to 1.3 of output
+    # error, 0.8 to 1.9 of instrumental variables (tests/statistics/RESULTS.md).
     sentences = {
         "measurement": "the standard errors take the errors of measured poses for independent from "
-        "step to step; those of a camera resemble their neighbours, so the estimates are up to 1.3 "
-        "times as far off with 36 drawn headings, up to 5.5 times with exact ones, and those of "
-        "least squares are biased besides",
+        "step to step; those of a camera resemble their neighbours, so the estimates may be up to "
+        "1.5 times as far off, and those of least squares are biased besides",
         "estimate": "the standard errors take the errors of estimated poses for independent from "
         "step to step; those of a filter resemble their neighbours, so the estimates are farther "
         "off",
@@ -56,24 +54,30 @@ def contradiction_remarks(
     errors: Floats,
     white_noise_errors: Floats,
     sigma: Floats,
+    correlation: Floats,
     *,
     unit: str = "px",
     departure: str = "unknown",
 ) -> tuple[str, ...]:
     """Return the remarks on residuals with this p-value; nothing for white residuals.
 
-    `errors` include process noise of `sigma` (3,), `white_noise_errors` measurement noise alone.
+    `errors` include process noise of `sigma` (3,), or measurement noise of a `correlation` (3,).
+    `white_noise_errors` include white measurement noise alone.
     """
     if not p_value < LEVEL:
         return ()
     shown = "p < 0.001" if p_value < 0.001 else f"p = {p_value:.2g}"
     n = mean_ratio(errors, white_noise_errors)
+    like = "as " * (departure in ("none", "mismatch"))
+    by = f"{like}for process noise of {equation_noise(sigma, unit, '.2g')} in each step"
+    if correlation.any():
+        departure = "none" if departure == "unknown" else departure
+        by = f"for a correlation of {correlation.max():.2g} from step to step"
     limit = "; no correction covers a wrong model" * (departure in ("unknown", "mismatch"))
     return (
         f"the residuals are not white ({shown}): {_CAUSES[departure]}",
-        f"standard errors for measurement noise alone do not hold: they are {n:.2g} times too "
-        "small; the table has corrected ones, for process noise of "
-        f"{equation_noise(sigma, unit, '.2g')} in each step{limit}",
+        f"standard errors for white measurement noise alone do not hold: they are {n:.2g} times "
+        f"too small; the table has corrected ones, {by}{limit}",
     )
 
 

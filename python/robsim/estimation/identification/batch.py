@@ -57,6 +57,7 @@ class _Fit(TypedDict):
     whiteness_p_value: NotRequired[float]
     process_sigma: NotRequired[Floats]
     measurement_sigma: NotRequired[Floats]
+    measurement_correlation: NotRequired[Floats]
     least_squares_errors: NotRequired[Floats]
     batch: Floats
     rank: NDArray[np.int64]
@@ -95,8 +96,9 @@ class BatchEstimate(Report):
     standard_errors : array (3, 5)
         Standard errors of `batch`, with the noise estimated from the residuals. Those of least
         squares are valid for equation noise; measurement noise also biases it. Those of the other
-        methods are the `white_noise_errors`, or, where the residuals contradict these, those with
-        the estimated process noise. They do not cover a wrong model.
+        methods are the `white_noise_errors` unless the residuals contradict these. Otherwise they
+        include the estimated process noise or correlation of the measurement noise. They do not
+        cover a wrong model.
     white_noise_errors : array (3, 5)
         Standard errors of a method other than least squares for measurement noise alone,
         independent from step to step; otherwise NaN. Errors of a camera are in part a function of
@@ -125,6 +127,9 @@ class BatchEstimate(Report):
     process_sigma, measurement_sigma : array (3,)
         Standard deviations of process noise and measurement noise in a step, as the residuals show
         them (x, y in `unit`, heading in rad); NaN for least squares.
+    measurement_correlation : array (3,)
+        Correlation of the coloured part of the measurement noise from step to step; 0 = white, NaN
+        for least squares.
     least_squares_errors : array (3, 5)
         The root mean square errors, bias included, that least squares has under this noise; NaN for
         least squares.
@@ -161,6 +166,7 @@ class BatchEstimate(Report):
     whiteness_p_value: float = math.nan
     process_sigma: Floats = field(default_factory=lambda: np.full(3, np.nan))
     measurement_sigma: Floats = field(default_factory=lambda: np.full(3, np.nan))
+    measurement_correlation: Floats = field(default_factory=lambda: np.full(3, np.nan))
     least_squares_errors: Floats = field(default_factory=_unknown)
     departure: str = "unknown"
     unit: str = "px"
@@ -278,6 +284,7 @@ class BatchEstimate(Report):
             self.standard_errors,
             self.white_noise_errors,
             self.process_sigma,
+            self.measurement_correlation,
             unit=self.unit,
             departure=self.departure,
         )
@@ -459,6 +466,7 @@ def _fitted(
         "whiteness_p_value": fit.whiteness_p_value,
         "process_sigma": fit.process_sigma,
         "measurement_sigma": fit.measurement_sigma,
+        "measurement_correlation": fit.measurement_correlation,
         "least_squares_errors": _least_squares_errors(found, fit),
         "converged": fit.converged,
         "motor_delay": fit.motor_delay,

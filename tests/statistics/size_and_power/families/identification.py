@@ -36,7 +36,7 @@ def _within_of_independent(trace):
 
 
 def _within_of_camera(trace):
-    return _within(trace, 4)
+    return _within(trace, 2)
 
 
 _DELAY = 1.4  # steps
@@ -157,7 +157,7 @@ TRIALS = (
         name="camera-errors",
         scenario=_DRIVE.replace(measure=True, headings=None),
         metric=_within_of_camera,
-        rows=_interval("of a camera", 4, (0.9, 1)),
+        rows=_interval("of a camera", 2, (0.9, 1)),
         steps=_STEPS,
         share=_SHARE,
     ),

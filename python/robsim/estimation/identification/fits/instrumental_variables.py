@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from robsim._core import regression, second_order_recursion
 from robsim.base.checks import Floats
+from robsim.estimation.identification.fits.coloured_noise import Noise, by_driving
 from robsim.estimation.identification.fits.linear import axis_with_pole, initial_estimate, solve
 from robsim.estimation.identification.fits.model_fit import (
     ModelFit,
@@ -16,7 +17,6 @@ from robsim.estimation.identification.fits.model_fit import (
     with_undetermined,
 )
 from robsim.estimation.identification.fits.output_error import Fits
-from robsim.estimation.identification.fits.process_noise import Noise
 from robsim.estimation.identification.fits.segments import Segment, as_record, split
 from robsim.estimation.identification.fits.unknowns import HEADING, X, Y
 from robsim.trace.timing import check_delay
@@ -114,8 +114,7 @@ def _errors_under(noise: Noise, runs: list[Segment], fits: list[_AxisFit], axis:
     """Return the standard errors (5,) of an axis under a noise."""
     samples = [_run_samples(run, axis) for run in runs]
     simulated = axis_with_pole(runs, axis, _pole(fits[axis].theta))
-    sigma = noise.process[axis], noise.measurement[axis], noise.measurement[HEADING]
-    return _refine(samples, simulated, *sigma).errors
+    return _refine(samples, simulated, noise.white[HEADING], noise, axis).errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +164,7 @@ def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_sigma: float
     samples = [_run_samples(run, axis) for run in runs]
     for iteration in range(1, _ITERATIONS + 1):
         simulated = axis_with_pole(runs, axis, _pole(theta))
-        fit = _refine(samples, simulated, 0.0, None, heading_sigma)
+        fit = _refine(samples, simulated, heading_sigma)
         # The standard error of an undetermined parameter is NaN, for which this is False.
         has_changed = np.abs(fit.theta - theta) > _TOLERANCE * fit.errors + _ROUNDING
         theta = fit.theta
@@ -182,13 +181,13 @@ def _pole(theta: Floats) -> float:
 def _refine(
     runs: list[_Samples],
     simulated: Floats,
-    process_sigma: float,
-    measurement_sigma: float | None,
     heading_sigma: float,
+    noise: Noise | None = None,
+    axis: int = X,
 ) -> _AxisFit:
     """Return the next estimate of an axis, with instruments from the simulated parameters.
 
-    Without `measurement_sigma` the residuals give the measurement noise.
+    Without `noise` (of all axes) the residuals give a white measurement noise.
     """
     columns = np.vstack([_whitened(run, simulated) for run in runs])
     instruments, phi, y = columns[:, :4], columns[:, 4:8], columns[:, 8]
@@ -197,23 +196,36 @@ def _refine(
     estimate, covariance = solve(Q.T @ phi, Q.T @ y)
     freedom = max(len(y) - 2 * len(runs) - 4, 1)
     rms = np.sqrt(np.sum(np.square(y - phi @ estimate)) / freedom)
-    sigma = rms if measurement_sigma is None else measurement_sigma
+    sigma = rms if noise is None else noise.white[axis]
     # The noise n of the headings rotates the forces, and process noise w adds to them:
     # Q' Phi (estimate - theta) = Q' (e + H n + G w). H filters slope (b1, b2, d1) n by 1/A, and G
     # filters w, so that H' Q and G' Q filter backwards.
     a1, a2 = simulated[:2]
-    backwards = [
-        second_order_recursion(a1, a2, part[::-1])[::-1] for part in np.split(Q, _ends(runs))
-    ]
+    parts = np.split(Q, _ends(runs))
+    backwards = [second_order_recursion(a1, a2, part[::-1])[::-1] for part in parts]
     forces = np.hstack([run.slope @ estimate[1:] for run in runs])
-    by_step = np.hypot(heading_sigma * forces, process_sigma)[:, None] * np.vstack(backwards)
-    spread, _ = solve(Q.T @ phi, by_step.T)
+    by_heading = forces[:, None] * np.vstack(backwards)
+    by_step = [heading_sigma * by_heading]
+    if noise is not None:
+        by_step.append(noise.process[axis] * np.vstack(backwards))
+        turns = np.split(by_heading, _ends(runs))
+        by_step += [_by_colour(part, noise, axis) for part in parts]
+        by_step += [_by_colour(part, noise, HEADING) for part in turns]
+    spread, _ = solve(Q.T @ phi, np.vstack(by_step).T)
     errors = np.sqrt(sigma**2 * np.diag(covariance) + np.square(spread).sum(axis=1))
     return _AxisFit(
         theta=np.hstack([1 - estimate[0], estimate]),
         errors=np.hstack([errors[0], errors]),
         rms=float(rms),
     )
+
+
+def _by_colour(weights: Floats, noise: Noise, axis: int) -> Floats:
+    """Return the effect (n, m) of the coloured errors of an axis, with weights (n, m) in a run."""
+    if not noise.correlation[axis]:
+        return np.zeros_like(weights[:0])
+    effect = by_driving(weights[:, np.newaxis], noise.correlation[[axis]])
+    return np.asarray(noise.driving[axis] * effect[:, 0])
 
 
 def _ends(runs: list[_Samples]) -> list[int]:

@@ -19,7 +19,7 @@ from robsim.estimation.identification._parameter_table import (
     noise_remarks,
     parameter_table,
 )
-from robsim.estimation.identification.fits.process_noise import Noise
+from robsim.estimation.identification.fits.coloured_noise import Noise
 from robsim.estimation.identification.fits.segments import Record
 from robsim.trace.timing import check_delay
 
@@ -36,8 +36,9 @@ class ModelFit(Report):
     theta : array (3, 5)
         Rows X, Y, P (heading), columns a1, a2, b1, b2, d1. NaN = not determined by the run.
     standard_errors : array (3, 5)
-        Standard errors of theta, inf where theta is NaN: the `white_noise_errors`, or, where the
-        residuals contradict these, those with the estimated process noise.
+        Standard errors of theta, inf where theta is NaN: the `white_noise_errors` unless the
+        residuals contradict these. Otherwise they include the estimated process noise or
+        correlation of the measurement noise.
     white_noise_errors : array (3, 5)
         Standard errors of theta for measurement noise alone, independent from step to step.
     residual_rms : array (3,)
@@ -51,6 +52,8 @@ class ModelFit(Report):
     process_sigma, measurement_sigma : array (3,)
         Standard deviations of process noise and measurement noise in a step (px, px, rad), as the
         residuals show them.
+    measurement_correlation : array (3,)
+        Correlation of the coloured part of the measurement noise from step to step; 0 = white.
     whiteness_p_value : float
         Probability that residuals without process noise are as far from white. Below 0.05 they
         contradict the `white_noise_errors`.
@@ -66,6 +69,7 @@ class ModelFit(Report):
     white_noise_errors: Floats = field(default_factory=lambda: np.full((3, 5), np.nan))
     process_sigma: Floats = field(default_factory=lambda: np.zeros(3))
     measurement_sigma: Floats = field(default_factory=lambda: np.zeros(3))
+    measurement_correlation: Floats = field(default_factory=lambda: np.zeros(3))
     whiteness_p_value: float = 1.0
 
     @property
@@ -109,6 +113,7 @@ class ModelFit(Report):
             self.standard_errors,
             self.white_noise_errors,
             self.process_sigma,
+            self.measurement_correlation,
         )
         return (*remarks, *(contradiction or noise_remarks("measurement")))
 
@@ -122,6 +127,7 @@ def with_noise(fit: ModelFit, noise: Noise, standard_errors: Floats | None = Non
         white_noise_errors=fit.standard_errors,
         process_sigma=noise.process,
         measurement_sigma=noise.measurement,
+        measurement_correlation=noise.correlation,
         whiteness_p_value=noise.p_value,
     )
 

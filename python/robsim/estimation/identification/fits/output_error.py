@@ -11,6 +11,13 @@ from numpy.typing import ArrayLike
 
 from robsim._core import path_sensitivities, simulated_path
 from robsim.base.checks import Floats
+from robsim.estimation.identification.fits.coloured_noise import (
+    NO_NOISE,
+    Noise,
+    Track,
+    errors_under,
+    estimated_noise,
+)
 from robsim.estimation.identification.fits.linear import (
     costs_of_poles,
     initial_estimate,
@@ -24,13 +31,6 @@ from robsim.estimation.identification.fits.model_fit import (
     fit_delay,
     with_noise,
     with_undetermined,
-)
-from robsim.estimation.identification.fits.process_noise import (
-    NO_NOISE,
-    Noise,
-    Track,
-    errors_under,
-    estimated_noise,
 )
 from robsim.estimation.identification.fits.segments import Record, Segment, as_record, split
 from robsim.estimation.identification.fits.unknowns import FIRST, UNKNOWNS
@@ -192,10 +192,11 @@ def output_error(
     include what the uncertainty of the delay adds to them.
 
     The variances of process noise and measurement noise maximise the restricted likelihood of the
-    residuals: Patterson and Thompson, Recovery of inter-block information when
-    block sizes are unequal, Biometrika 58(3), 1971. The likelihood ratio tests for process noise.
-    Its distribution at variances of 0: Self and Liang, Asymptotic properties of maximum likelihood
-    estimators and likelihood ratio tests under nonstandard conditions, JASA 82(398), 1987.
+    residuals: Patterson and Thompson, Recovery of inter-block information when block sizes are
+    unequal, Biometrika 58(3), 1971. The likelihood ratio tests for process noise. Its distribution
+    at variances of 0: Self and Liang, Asymptotic properties of maximum likelihood estimators and
+    likelihood ratio tests under nonstandard conditions, JASA 82(398), 1987. A correlation of
+    neighbouring errors of the poses takes the place of process noise where it is more likely.
     """
     delay = check_delay_or_fit(motor_delay)
     record = as_record(poses, u, breaks)

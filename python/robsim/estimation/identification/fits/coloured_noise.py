@@ -1,8 +1,11 @@
-"""Process noise: found in the residuals of a simulated path, and carried to the standard errors.
+"""Coloured noise: found in the residuals of a simulated path, and carried to the standard errors.
 
-In the residuals of an axis, process noise w passes through the model, measurement noise e does not:
+The residuals of an axis are a sum of white noise e, and of z, that w drives:
 
     residual(k) = z(k) + e(k),  z(k) = a1 z(k-1) + a2 z(k-2) + w(k)
+
+Process noise w passes through the model of the axis: its a1 and a2. Errors of measured poses that
+resemble their neighbours have a1 = their correlation, a2 = 0, and do not move the robot.
 """
 
 from __future__ import annotations
@@ -22,6 +25,10 @@ from robsim.estimation.identification.fits.unknowns import FIRST, HEADING, X, Y
 # The logarithms of the ratios of the variances of w and e that are searched; the first one is 0.
 _LOG_RATIOS = np.linspace(-24.0, 8.0, 9)
 _TOLERANCE = 0.05
+# Correlations of the errors of measured poses. They have one more number than process noise, and
+# so must be more likely by a margin of -2 log likelihood.
+_CORRELATIONS = (0.5, 0.7, 0.85, 0.95)
+_MARGIN = 2.0
 # The weights of chi2(1), chi2(2), chi2(3) in the sum of three likelihood ratios, each of them of a
 # variance that cannot be below 0.
 _WEIGHTS = (3 / 8, 3 / 8, 1 / 8)
@@ -31,17 +38,32 @@ _WEIGHTS = (3 / 8, 3 / 8, 1 / 8)
 class Noise:
     """Standard deviations (3,) of the noise of x, y (px) and heading (rad) in a step."""
 
-    process: Floats
-    measurement: Floats
+    driving: Floats  # of w
+    white: Floats  # of e
+    # Of neighbouring errors of measured poses; 0 where w is process noise
+    correlation: Floats
     p_value: float  # probability of residuals as far from white without process noise
 
     @property
     def is_white(self) -> bool:
         return not self.p_value < LEVEL
 
+    @property
+    def process(self) -> Floats:
+        """Standard deviations of the process noise, (3,)."""
+        return np.where(self.correlation > 0, 0.0, self.driving)
 
-NO_NOISE = Noise(process=np.zeros(3), measurement=np.zeros(3), p_value=1.0)
-_UNKNOWN = Noise(process=np.full(3, np.nan), measurement=np.full(3, np.nan), p_value=np.nan)
+    @property
+    def measurement(self) -> Floats:
+        """Standard deviations of the errors of measured poses, (3,)."""
+        spread = self.driving / np.sqrt(1 - np.square(self.correlation))
+        return np.asarray(np.hypot(self.white, np.where(self.correlation > 0, spread, 0.0)))
+
+
+NO_NOISE, _UNKNOWN = (
+    Noise(driving=np.full(3, sigma), white=np.full(3, sigma), correlation=np.zeros(3), p_value=p)
+    for sigma, p in ((0.0, 1.0), (np.nan, np.nan))
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,17 +107,27 @@ def estimated_noise(theta: Floats, tracks: list[Track]) -> Noise:
 
 
 def _estimated(theta: Floats, tracks: list[Track]) -> Noise:
-    heading = _Axis.of(theta, HEADING, tracks)
-    if _p_value(heading.statistic) < LEVEL:
+    residuals = [_Residuals.of(theta, axis, tracks) for axis in range(3)]
+    heading = residuals[HEADING].driven(*theta[HEADING, :2])
+    turns = _p_value(heading.statistic) < LEVEL
+    turns = turns and heading.cost < residuals[HEADING].coloured().cost + _MARGIN
+    if turns:
         # The positions follow the headings that the robot had.
         ends = np.cumsum([len(track.path) for track in tracks])[:-1]
-        turns = np.split(heading.drift, ends)
-        tracks = [track.turned(theta, turn) for track, turn in zip(tracks, turns, strict=True)]
-    axes = [*(_Axis.of(theta, axis, tracks) for axis in (X, Y)), heading]
+        parts = zip(tracks, np.split(heading.drift, ends), strict=True)
+        tracks = [track.turned(theta, turn) for track, turn in parts]
+        residuals[:HEADING] = [_Residuals.of(theta, axis, tracks) for axis in (X, Y)]
+    axes = [*(residuals[axis].driven(*theta[axis, :2]) for axis in (X, Y)), heading]
+    p_value = _p_value(sum(axis.statistic for axis in axes))
+    if p_value < LEVEL and not turns:
+        others = [one.coloured() for one in residuals]
+        if sum(axis.cost for axis in others) + 3 * _MARGIN < sum(axis.cost for axis in axes):
+            axes = others
     return Noise(
-        process=np.array([axis.process for axis in axes]),
-        measurement=np.array([axis.measurement for axis in axes]),
-        p_value=_p_value(sum(axis.statistic for axis in axes)),
+        driving=np.array([axis.driving for axis in axes]),
+        white=np.array([axis.white for axis in axes]),
+        correlation=np.array([axis.correlation for axis in axes]),
+        p_value=p_value,
     )
 
 
@@ -111,83 +143,127 @@ def _p_value(statistic: float) -> float:
 class _Axis:
     """The noise of an axis."""
 
-    process: float
-    measurement: float
-    statistic: float  # -2 log of the likelihood without process noise, relative to the maximum
+    driving: float
+    white: float
+    correlation: float
+    cost: float  # -2 log likelihood, but for a constant
+    statistic: float  # the cost without z, relative to this one
     drift: Floats  # (N,): the expected z, and the change by other parameters
 
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Residuals:
+    """Residuals y = z + F beta + e of an axis.
+
+    The columns of F are the derivatives by the parameters, and the path of the model from any first
+    two values of each segment.
+    """
+
+    seen: NDArray[np.bool_]  # (N,)
+    left: NDArray[np.int64]  # (N,): steps to the end of the segment
+    starts: NDArray[np.bool_]  # (N,): the first steps of the segments
+    F: Floats  # (N, m): orthonormal where seen
+    y: Floats  # (N,)
+
     @staticmethod
-    def of(theta: Floats, axis: int, tracks: list[Track]) -> _Axis:
+    def of(theta: Floats, axis: int, tracks: list[Track]) -> _Residuals:
+        # The parameters of the heading move the positions, too.
+        columns = [FIRST + 5 * axis + i for i in range(5)]
+        turning = [] if axis == HEADING else [FIRST + 5 * HEADING + i for i in range(5)]
+        starts = [] if axis == HEADING else [4, 5]
+        shared = np.vstack([track.slopes[:, axis, columns + turning] for track in tracks])
+        a1, a2 = theta[axis, :2]
+        own = [
+            np.hstack(
+                [
+                    second_order_recursion(a1, a2, np.eye(len(track.path), 2)),
+                    track.slopes[:, axis, starts],
+                ]
+            )
+            for track in tracks
+        ]
+        F = np.hstack([shared, _blocks(own)])
+        seen = np.hstack([track.segment.seen for track in tracks])
+        parts = decompose(F[seen])
+        return _Residuals(
+            seen=seen,
+            left=np.hstack([np.arange(len(track.path))[::-1] for track in tracks]),
+            starts=np.hstack([np.arange(len(track.path)) == 0 for track in tracks]),
+            F=F / parts.lengths @ parts.inverse[:, np.any(parts.inverse, axis=0)],
+            y=np.hstack([track.residuals[:, axis] for track in tracks]),
+        )
+
+    def coloured(self) -> _Axis:
+        """Return the noise if the errors of the measured poses resemble their neighbours."""
+        return min((self.driven(r) for r in _CORRELATIONS), key=lambda axis: axis.cost)
+
+    def driven(self, a1: float, a2: float | None = None) -> _Axis:
+        """Return the most likely noise for z(k) = a1 z(k-1) + a2 z(k-2) + w(k).
+
+        Without a2, z is stationary.
+        """
         from scipy.optimize import minimize_scalar
 
-        likelihood = _Likelihood.of(theta, axis, tracks)
+        likelihood = _Likelihood.of(self, a1, a2)
         costs = [likelihood.cost(ratio) for ratio in _LOG_RATIOS]
         best = int(np.argmin(costs))
         bounds = _LOG_RATIOS[max(best - 1, 0)], _LOG_RATIOS[min(best + 1, len(costs) - 1)]
         options = {"xatol": _TOLERANCE}
         found = minimize_scalar(likelihood.cost, bounds=bounds, method="bounded", options=options)
         log_ratio = min(float(found.x), float(_LOG_RATIOS[best]), key=likelihood.cost)
-        measurement, drift = likelihood.solution(log_ratio)
+        cost = likelihood.cost(log_ratio)
+        white, drift = likelihood.solution(log_ratio)
         return _Axis(
-            process=measurement * float(np.exp(log_ratio / 2)),
-            measurement=measurement,
-            statistic=max(costs[0] - likelihood.cost(log_ratio), 0.0),
+            driving=white * float(np.exp(log_ratio / 2)),
+            white=white,
+            correlation=a1 if a2 is None else 0.0,
+            cost=cost,
+            statistic=max(costs[0] - cost, 0.0),
             drift=drift,
         )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Likelihood:
-    """The restricted likelihood of residuals y = z + F beta + e of an axis.
+    """The restricted likelihood of residuals with a recursion for z.
 
-    The first two z of each segment are free. With q, the variance of w relative to e, the expected
-    z minimises sum e^2 + sum w^2 / q. The matrix of this linear problem has five diagonals.
+    With q, the variance of w relative to e, the expected z minimises sum e^2 + sum w^2 / q. The
+    matrix of this linear problem has five diagonals.
     """
 
-    seen: NDArray[np.bool_]  # (N,)
-    inner: NDArray[np.bool_]  # (N,): the steps whose two previous ones are in their segment
+    residuals: _Residuals
     bands: Floats  # (3, N): diagonals of A'A, with w = A z
-    F: Floats  # (N, m): orthonormal where seen, and orthogonal to the free z
-    y: Floats  # (N,)
+    log_A: float  # log |A'A|
 
     @staticmethod
-    def of(theta: Floats, axis: int, tracks: list[Track]) -> _Likelihood:
-        c = np.hstack([1.0, -theta[axis, :2]])
-        seen = np.hstack([track.segment.seen for track in tracks])
-        inner = np.hstack([np.arange(len(track.path)) >= 2 for track in tracks])
-        after = np.append(inner, [False, False])
-        n = len(seen)
-        bands = [
-            sum(c[i] * c[i + j] * after[i + j : i + j + n] for i in range(3 - j)) for j in range(3)
-        ]
-        # The parameters of the heading move the positions, too.
-        columns = [FIRST + 5 * axis + i for i in range(5)]
-        turning = [] if axis == HEADING else [FIRST + 5 * HEADING + i for i in range(5)]
-        starts = [] if axis == HEADING else [4, 5]
-        F = np.vstack([track.slopes[:, axis, columns + turning] for track in tracks])
-        F = np.hstack([F, _blocks([track.slopes[:, axis, starts] for track in tracks])])
-        a1, a2 = theta[axis, :2]
-        free = _blocks([second_order_recursion(a1, a2, np.eye(len(t.path), 2)) for t in tracks])
-        F -= free @ np.linalg.lstsq(free[seen], F[seen], rcond=None)[0]
-        parts = decompose(F[seen])
-        F = F / parts.lengths @ parts.inverse[:, np.any(parts.inverse, axis=0)]
-        y = np.hstack([track.residuals[:, axis] for track in tracks])
-        return _Likelihood(seen=seen, inner=inner, bands=np.array(bands), F=F, y=y)
+    def of(residuals: _Residuals, a1: float, a2: float | None) -> _Likelihood:
+        c = np.array([1.0, -a1, -(a2 or 0.0)])
+        bands = np.array(
+            [
+                sum(c[i] * c[i + j] * (residuals.left >= i + j) for i in range(3 - j))
+                for j in range(3)
+            ]
+        )
+        if a2 is not None:
+            return _Likelihood(residuals=residuals, bands=bands, log_A=0.0)
+        # the variance of the first z: that of w / (1 - a1^2)
+        bands[0] -= a1**2 * residuals.starts
+        log_A = int(residuals.starts.sum()) * float(np.log1p(-(a1**2)))
+        return _Likelihood(residuals=residuals, bands=bands, log_A=log_A)
 
     @property
     def _freedom(self) -> int:
-        # Each free z takes one.
-        free = len(self.inner) - int(self.inner.sum())
-        return max(int(self.seen.sum()) - free - int(self.F.shape[1]), 1)
+        return max(int(self.residuals.seen.sum()) - int(self.residuals.F.shape[1]), 1)
 
     def _whitened(self, log_ratio: float) -> tuple[Floats, Floats, float]:
         """Return z of [F | y], the triangular factor of their weighted squares, log |weights|."""
         from scipy.linalg import cho_solve_banded, cholesky_banded
 
+        seen = self.residuals.seen
         matrix = self.bands * np.exp(-log_ratio)
-        matrix[0] += self.seen
+        matrix[0] += seen
         factor = cholesky_banded(matrix, lower=True, check_finite=False)
-        columns = np.column_stack([self.F, self.y]) * self.seen[:, np.newaxis]
+        columns = np.column_stack([self.residuals.F, self.residuals.y]) * seen[:, np.newaxis]
         z = cho_solve_banded((factor, True), columns, check_finite=False)
         squares = columns.T @ (columns - z)
         return z, np.linalg.cholesky(squares).T, 2 * float(np.log(factor[0]).sum())
@@ -200,14 +276,14 @@ class _Likelihood:
             return np.inf
         d = np.log(np.diag(R))
         # residual variance, |covariance of the seen y|, |F' covariance^-1 F|
-        by_ratio = int(self.inner.sum()) * log_ratio
-        return float(2 * self._freedom * d[-1] + by_ratio + weights + 2 * d[:-1].sum())
+        by_ratio = len(self.residuals.seen) * log_ratio + weights - self.log_A
+        return float(2 * self._freedom * d[-1] + by_ratio + 2 * d[:-1].sum())
 
     def solution(self, log_ratio: float) -> tuple[float, Floats]:
         """Return the standard deviation of e, and z + F beta."""
         z, R, _ = self._whitened(log_ratio)
         beta = np.linalg.solve(R[:-1, :-1], R[:-1, -1])
-        drift = z[:, -1] - z[:, :-1] @ beta + self.F @ beta
+        drift = z[:, -1] - z[:, :-1] @ beta + self.residuals.F @ beta
         return float(R[-1, -1] / np.sqrt(self._freedom)), drift
 
 
@@ -240,16 +316,32 @@ def errors_under(noise: Noise, theta: Floats, tracks: list[Track], sigma: Floats
         J = J[:, FIRST:] - Q @ (Q.T @ J[:, FIRST:])
         parts.append(triangle(J))
         by_residual = J.reshape(n, 3, m - FIRST) * weights[:, :, np.newaxis]
-        by_push = _adjoint(theta, track, by_residual)[2:]
+        by_push = (
+            by_driving(by_residual, noise.correlation)
+            if noise.correlation.any()
+            else _adjoint(theta, track, by_residual)[2:]
+        )
         spreads += [
-            (by_residual * noise.measurement[:, np.newaxis]).reshape(3 * n, -1),
-            (by_push * noise.process[:, np.newaxis]).reshape(3 * n - 6, -1),
+            (by_residual * noise.white[:, np.newaxis]).reshape(3 * n, -1),
+            (by_push * noise.driving[:, np.newaxis]).reshape(3 * len(by_push), -1),
         ]
     found = decompose(np.vstack(parts))
     inverse = found.inverse @ found.inverse.T / np.outer(found.lengths, found.lengths)
     # The rows of R' R = sum spread' spread are as good as the spreads.
     errors: Floats = np.linalg.norm(triangle(np.vstack(spreads)) @ inverse, axis=0)
     return errors
+
+
+def by_driving(weights: Floats, correlation: Floats) -> Floats:
+    """Return the effect (n, a, m) of w in each step on sum weights' z, for errors of poses."""
+    effect = [
+        second_order_recursion(r, 0.0, weights[::-1, axis])[::-1]
+        for axis, r in enumerate(correlation)
+    ]
+    result = np.stack(effect, axis=1)
+    # the variance of the first z: that of w / (1 - correlation^2)
+    result[0] /= np.sqrt(1 - np.square(correlation))[:, np.newaxis]
+    return result
 
 
 def _adjoint(theta: Floats, track: Track, weights: Floats) -> Floats:
