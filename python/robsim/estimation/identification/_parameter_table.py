@@ -31,8 +31,8 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
     # error, 0.8 to 1.9 of instrumental variables (tests/statistics/RESULTS.md).
     sentences = {
         "measurement": "the standard errors take the errors of measured poses for independent from "
-        "step to step; those of a camera resemble their neighbours, so the estimates may be up to "
-        "1.5 times as far off, and those of least squares are biased besides",
+        "step to step; the errors of a camera resemble their neighbours, so the estimates may be "
+        "up to 1.5 times as far off, and least squares is biased besides",
         "estimate": "the standard errors take the errors of estimated poses for independent from "
         "step to step; those of a filter resemble their neighbours, so the estimates are farther "
         "off",

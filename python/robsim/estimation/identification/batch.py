@@ -194,6 +194,11 @@ class BatchEstimate(Report):
         return bool((self.model_error <= _ROUNDING * lengths).all())
 
     @property
+    def knows_truth(self) -> bool:
+        """Whether `theta_true` is the truth: nothing but process noise departs from the model."""
+        return self.is_model_exact or self.departure == "process noise"
+
+    @property
     def identifiability(self) -> Identifiability:
         """How well the run determines each parameter.
 
@@ -230,8 +235,7 @@ class BatchEstimate(Report):
     @property
     def tables(self) -> tuple[Table, ...]:
         """True value, batch estimate with standard error, online estimate of each parameter."""
-        is_true = self.is_model_exact or self.departure == "process noise"
-        true = "true value" if is_true else "model's value"
+        true = "true value" if self.knows_truth else "model's value"
         errors = np.where(np.isfinite(self.batch), self.standard_errors, np.nan)
         columns = {
             Column("true", true, format=".5g"): self.theta_true,

@@ -70,7 +70,7 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     deviations = {name: np.abs(theta - true) / scale for name, theta in estimates.items()}
     bars = 2 * report.standard_errors.ravel() / scale
     low, high = _decades(np.concatenate([*deviations.values(), bars]))
-    origin = "true" if report.is_model_exact else "model"
+    origin = "true" if report.knows_truth else "model"
     label = _LABELS[origin if is_known else "none"].format(report.unit)
     _finish_axes(ax, low, high, label, style.parameter_labels(report.unit))
     _draw_standard_errors(ax, bars, low)
