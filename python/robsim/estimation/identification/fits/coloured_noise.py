@@ -25,6 +25,8 @@ from robsim.estimation.identification.fits.unknowns import FIRST, HEADING, X, Y
 # The logarithms of the ratios of the variances of w and e that are searched; the first one is 0.
 _LOG_RATIOS = np.linspace(-24.0, 8.0, 9)
 _TOLERANCE = 0.05
+# The longest segments with so many steps together give the noise: each costs unknowns, thus time.
+_ENOUGH = 3000
 # Correlations of the errors of measured poses. They have one more number than process noise, and
 # so must be more likely by a margin of -2 log likelihood.
 _CORRELATIONS = (0.5, 0.7, 0.85, 0.95)
@@ -100,8 +102,12 @@ def estimated_noise(theta: Floats, tracks: list[Track]) -> Noise:
 
     It is NaN where the path is too far off for numbers to resolve.
     """
+    longest = sorted(tracks, key=lambda track: -len(track.path))
+    steps = np.cumsum([0, *(len(track.path) for track in longest)])[:-1]
     try:
-        return _estimated(theta, tracks)
+        return _estimated(
+            theta, [track for track, n in zip(longest, steps, strict=True) if n < _ENOUGH]
+        )
     except np.linalg.LinAlgError:
         return _UNKNOWN
 
