@@ -150,6 +150,17 @@ def test_the_error_of_a_delay_includes_process_noise():
 
 
 @pytest.mark.long
+def test_a_robot_at_rest_that_process_noise_moves_has_no_error_of_a_delay():
+    process = robsim.PoseNoise.from_sigma(*PROCESS)
+    control = robsim.Replay(np.zeros((200, 2)))
+    trace = robsim.Simulation(control=control, process_noise=process, seed=1).run(200)
+    fit = output_error(trace.pose_true, trace.u, motor_delay="fit")
+    assert fit.whiteness_p_value < 0.05
+    assert fit.motor_delay_error == np.inf
+    assert not fit.converged
+
+
+@pytest.mark.long
 @each_method
 def test_errors_that_resemble_their_neighbours_are_no_process_noise(method):
     z = []

@@ -210,7 +210,7 @@ def fit_delay(record: Record, fits: DelayedFits[Solution]) -> tuple[ModelFit, So
             solutions[delay] = fits.solve(delay, [solutions[known] for known in nearest])
         return solutions[delay]
 
-    first = min(range(LONGEST_DELAY + 1), key=fits.rough_cost)
+    first = float(min(range(LONGEST_DELAY + 1), key=fits.rough_cost))
     solution = at(_lowest(lambda delay, side: fits.slope(at(delay), side), first))
     best = solution.fit
     error, slopes = _spread(lambda delay: at(delay).fit, best, int(record.seen.sum()))
@@ -223,7 +223,7 @@ def fit_delay(record: Record, fits: DelayedFits[Solution]) -> tuple[ModelFit, So
     return fit, solution
 
 
-def _lowest(slope: Callable[[float, int], float], delay: int) -> float:
+def _lowest(slope: Callable[[float, int], float], delay: float) -> float:
     """Return where a cost is least, downhill from a whole delay; at these it may have corners."""
     from scipy.optimize import brentq
 
@@ -234,7 +234,7 @@ def _lowest(slope: Callable[[float, int], float], delay: int) -> float:
             low, high = sorted((delay - side, delay))
             inwards = partial(_inwards, slope, high)
             return float(brentq(inwards, low, high, xtol=_TOLERANCE))
-    return float(delay)
+    return delay
 
 
 def _inwards(slope: Callable[[float, int], float], high: float, delay: float) -> float:
