@@ -43,11 +43,11 @@ def drawn(shape, pose, size, rng, *, noise=0.0, hidden=0.0, blur=True):
     if blur:
         for axis in (0, 1):
             image = (np.roll(image, 1, axis) + 2 * image + np.roll(image, -1, axis)) / 4
-    whole = np.full((size, size, 3), FLOOR, float)
+    if noise:
+        image += rng.normal(0, 2.55 * noise, image.shape)
+    pixels = np.full((size, size, 3), FLOOR, np.uint8)
     left, top = middle.astype(int)
-    whole[top : top + width, left : left + width] = image
-    noisy = np.rint(whole + rng.normal(0, 2.55 * noise, whole.shape) if noise else whole)
-    pixels = np.clip(noisy, 0, 255).astype(np.uint8)
+    pixels[top : top + width, left : left + width] = np.clip(np.rint(image), 0, 255)
     return robsim.Frame(pixels, plane_map=PlaneMap.scaled((size, size), (1200, 1200)))
 
 
