@@ -57,9 +57,9 @@ constexpr double certain_evidence = 16;  // the same, where linear estimates no 
 constexpr double edge_error = 0.04;      // frame px: pictures of an edge are not more exact
 constexpr double evidence_error = 0.05;  // share of the evidence that is the model's error
 
-constexpr double least_share = 0.25;     // of the squares at the best edge
-constexpr double least_score = 0.5;      // squared standard deviations, if all else were known
-constexpr double least_left = 0.06;      // of the information, if all else is not known
+constexpr double least_share = 0.25;  // of the squares at the best edge
+constexpr double least_score = 0.5;   // squared standard deviations, if all else were known
+constexpr double least_left = 0.06;   // of the information, if all else is not known
 
 constexpr double farthest_residual = 9;  // squared standard deviations: more is a foreign pixel
 
