@@ -237,10 +237,11 @@ def test_lengths_are_those_of_the_trace():
 
 
 def test_wrong_input_is_told():
-    for pose in ((1, 2), (1, 2, NAN)):
+    for pose in ((1, 2), (1, 2, NAN), (1, 2, 90)):
         with pytest.raises(ValueError, match="pose must"):
             score_pose(trace_of_poses([(0, 0, 0)]), pose)
     with pytest.raises(ValueError, match="position_tolerance"):
         score_pose(trace_of_poses([(0, 0, 0)]), (0, 0, 0), position_tolerance=-1)
-    with pytest.raises(ValueError, match="heading_tolerance"):
-        score_pose(trace_of_poses([(0, 0, 0)]), (0, 0, 0), heading_tolerance=-1)
+    for tolerance in (-1, 10):
+        with pytest.raises(ValueError, match="heading_tolerance"):
+            score_pose(trace_of_poses([(0, 0, 0)]), (0, 0, 0), heading_tolerance=tolerance)

@@ -42,6 +42,14 @@ def test_every_covariance_is_one(numbers):
     assert np.array_equal(PoseNoise(symmetric).Q, symmetric)
 
 
+def test_a_heading_noise_in_degrees_is_told():
+    with pytest.warns(UserWarning, match="radians"):
+        PoseNoise.from_sigma(1, 1, 5)
+    with pytest.warns(UserWarning, match="radians"):
+        PoseNoise(np.diag((1, 1, 25)))
+    PoseNoise.from_sigma(100, 100, 3)  # no warning, which would be an error
+
+
 def test_what_is_no_covariance_says_why():
     with pytest.raises(ValueError, match="symmetric"):
         PoseNoise([[1, 0.5, 0], [0, 1, 0], [0, 0, 1]])

@@ -60,6 +60,15 @@ def check_kind(name: str, value: Any, kind: type, *, or_none: bool = False) -> A
     return value
 
 
+def check_heading(name: str, heading: float) -> None:
+    """Raise ValueError if the heading of a pose is beyond -2 pi..2 pi, as those in degrees are."""
+    if abs(heading) > 2 * math.pi:
+        raise ValueError(
+            f"{name} must have a heading in rad, within -2 pi..2 pi, got {heading:g}: if that is "
+            f"in degrees, it is {math.radians(heading):.4g} rad, numpy.radians({heading:g})"
+        )
+
+
 def check_kinds(name: str, values: Any, kind: type) -> tuple[Any, ...]:
     """Return `values` as a tuple if all are of a kind; else raise TypeError."""
     expected = f"{name} must be a sequence of {kind.__name__}"

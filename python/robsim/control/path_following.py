@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import Step, atan2, cos, hypot, sin, wrap_angle
-from robsim.base.checks import Floats, as_float_array, check_float
+from robsim.base.checks import Floats, as_float_array, check_float, check_heading
 from robsim.base.text import quoted
 
 MAXIMUM_COORDINATE = 1e6  # px
@@ -66,6 +66,7 @@ def as_pose(pose: ArrayLike, name: str = "pose") -> Floats:
         raise ValueError(
             f"{name} must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(pose)}"
         )
+    check_heading(name, values[2])
     return values.astype(np.float64)
 
 

@@ -278,7 +278,7 @@ def score_pose(
     px = trace.info.px_length
     wanted = as_pose(pose) * (px, px, 1)
     near = check_float("position_tolerance", position_tolerance, "px", minimum=0) * px
-    turned = check_float("heading_tolerance", heading_tolerance, "rad", minimum=0)
+    turned = check_float("heading_tolerance", heading_tolerance, "rad", minimum=0, maximum=math.pi)
     source, poses = known_poses(trace)
     rows = np.flatnonzero(np.isfinite(poses).all(axis=1))
     errors = poses[rows] - wanted

@@ -6,7 +6,6 @@ of `Simulation` and `Scenario`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
@@ -30,7 +29,7 @@ from robsim._core import (
     classify,
     wrap_angle,
 )
-from robsim.base.checks import as_float_array, check_int
+from robsim.base.checks import as_float_array, check_heading, check_int
 from robsim.base.seeds import Seed, SeedRecord, seed_value
 from robsim.base.text import quoted
 from robsim.base.values import FileVersion
@@ -132,11 +131,7 @@ def start_value(
         raise ValueError(
             f"start must lie within the area of {area[0]} x {area[1]} px, got {quoted(start)}"
         )
-    if abs(heading) > 2 * math.pi:
-        raise ValueError(
-            f"start must have a heading in rad, within -2 pi..2 pi, got {heading:g}: if that is in "
-            f"degrees, it is {math.radians(heading):.4g} rad, numpy.radians({heading:g})"
-        )
+    check_heading("start", heading)
     if max(abs(x), abs(y)) > _MAXIMUM_START:
         raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {quoted(start)}")
     return x, y, wrap_angle(heading)

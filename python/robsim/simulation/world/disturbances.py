@@ -14,6 +14,7 @@ from robsim._core import RobotModel, cos, random_normal, sin
 from robsim.base.checks import Floats, as_float_array, check_float, check_int, check_kind
 from robsim.base.text import quoted
 from robsim.base.values import Level
+from robsim.base.warn import warn_user
 
 _Row = tuple[float, float, float]
 _HEADING = 0.05  # rad of disturbance with each px, as in robsim.estimation.reference
@@ -63,6 +64,11 @@ class PoseNoise:
                 f"got {quoted(self.covariance)}"
             )
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
+        if (heading := self.sigma[2]) > np.pi:
+            warn_user(
+                f"a heading noise of {heading:.3g} rad is {np.degrees(heading):.0f} degrees in "
+                f"each step: if it is in degrees, give numpy.radians({heading:.3g})"
+            )
 
     @classmethod
     def from_sigma(cls, x: float, y: float, heading: float) -> PoseNoise:
