@@ -62,6 +62,22 @@ def test_jitter_lost_frames_and_stops(rng):
     assert "regularly" in str(irregular)
 
 
+@pytest.mark.parametrize("interval", [0.05, 0.25, 0.35])
+def test_another_rate_than_the_models_is_told(interval):
+    wrong, right = (live(np.arange(50) * dt).timing() for dt in (interval, DT))
+    steps = max(round(interval / DT), 1)
+    assert (wrong.interval, right.interval) == pytest.approx((interval / steps, DT))
+    assert len(wrong.remarks) == len(right.remarks) + 1
+
+
+def test_a_delay_that_varies_is_told(rng):
+    steady, varying = (
+        live(np.arange(50) * DT, sent=0.05 + rng.uniform(0, spread, 50)).timing()
+        for spread in (0.02, 0.3)
+    )
+    assert len(varying.remarks) == len(steady.remarks) + 1
+
+
 def test_what_is_not_known_of_some_steps_and_of_all():
     t = np.arange(10) * DT
     arrival = np.where(t < 1, np.nan, 0.03)

@@ -14,6 +14,7 @@ from robsim.base.report import Column, Quantity, Report, Row, Table, count
 
 _ROWS = ("from exposure to arrival", "from arrival to input", "from exposure to input")
 _MOST_JITTER = 0.2  # of dt: filters and fits count in whole steps
+_MOST_OFF = 0.05  # of dt
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,6 +35,9 @@ class TimingReport(Report):
         Steps of the model between two frames in which none came.
     stopped : int
         How often the robot was stopped; the time until the next frame is not counted.
+    interval : float
+        Median time between frames, in a whole number of steps, for one step (s): dt if the frames
+        come at the rate of the model; NaN for a single one.
     latency : array (3, 3)
         Time from the exposure of a frame to its arrival, from there until the input went out, and
         both together (s); columns median, 95 % of the steps are below, maximum. NaN = not known.
@@ -45,6 +49,7 @@ class TimingReport(Report):
     jitter: float
     lost: int
     stopped: int
+    interval: float
     latency: Floats
 
     @property
@@ -96,6 +101,15 @@ class TimingReport(Report):
                 "the frames do not come regularly: filters and fits take the time between two of "
                 f"them for whole steps of {self.dt:g} s"
             )
+        if abs(self.interval - self.dt) > _MOST_OFF * self.dt:
+            remarks.append(
+                f"a step takes {self.interval:.3g} s, not the {self.dt:g} s of the model, so that "
+                "predictions and speeds are off: give the model this dt, or the camera its rate"
+            )
+        if self.latency[2, 1] - self.latency[2, 0] > _MOST_JITTER * self.dt:
+            remarks.append(
+                "the motor delay varies; filters and fits take the same delay for each step"
+            )
         if math.isfinite(self.motor_delay):
             remarks.append(
                 "motor delay: give it to a simulated world, to filters and to "
@@ -123,6 +137,7 @@ def timing_report(
         jitter=float(np.std(follow_each_other)) if len(follow_each_other) else np.nan,
         lost=int((n_steps - 1).sum()),
         stopped=int(interrupted.sum()),
+        interval=float(np.median(intervals / n_steps)) if len(intervals) else np.nan,
         latency=np.array([_spread(x) for x in (t_arrival - t, t_sent - t_arrival, t_sent - t)]),
     )
 
