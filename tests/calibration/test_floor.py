@@ -113,10 +113,20 @@ def test_marks_of_one_name_are_averaged():
     assert rms(errors_at(report.calibration, 0)) < 1e-3
 
 
+def test_a_wrong_one_of_few_marks_is_not_pinned_on_the_worst():
+    places, pixels = floor(3)
+    few = [0, 2, 6, 8, 4]
+    moved = places[few] + np.eye(5, 2) * (40, 0)
+    report = calibrate_floor(pixels[few], moved, size=SHOT.size, **AREA)
+    assert report.worst.name != "1"
+    assert "all others" in sentences(report)
+
+
 def test_four_marks_without_a_lens_say_that_nothing_is_left_to_check():
     places, pixels = floor(2)
     report = calibrate_floor(pixels, places, size=SHOT.size, **AREA)
     assert np.isnan(report.expected_errors).all()
+    assert (report.verdict, [one.kind for one in report.problems]) == ("poor", ["unchecked"])
 
 
 def test_what_is_wrong_is_refused_by_its_name():

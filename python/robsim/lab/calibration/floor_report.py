@@ -18,6 +18,7 @@ _FAR = (2.0, 5.0)  # expected error in the corners of the area, work-area px: go
 _SCALE = 0.005  # of the print
 _PLACE = 10.0  # mm
 _STILL = 1.0  # px
+_MANY = 8  # points; of fewer, a wrong one need not fit worst
 
 
 @dataclass(frozen=True)
@@ -174,13 +175,20 @@ class FloorCalibration(Report):
             yield (
                 "rms",
                 f"rms {self.rms:.1f} px, expected is below {_RMS[0]:g}; {point}{worst.name} fits "
-                f"worst, {worst.mm:.0f} mm off: check its place" + self._lens_hint,
+                f"worst, {worst.mm:.0f} mm off: check its place{self._others_hint}"
+                + self._lens_hint,
             )
         if self._expected_px > _FAR[0]:
             yield (
                 "extrapolated",
                 f"in a corner of the area the map may be {np.max(self.expected_errors):.0f} mm "
                 "off: spread marks or sheets over the whole area",
+            )
+        if np.isnan(self.expected_errors).any():
+            yield (
+                "unchecked",
+                "four points fit any map exactly, so that nothing checks this one: with more of "
+                "them, a wrong one shows",
             )
         yield from self._sheet_problems()
 
@@ -208,6 +216,10 @@ class FloorCalibration(Report):
             )
 
     @property
+    def _others_hint(self) -> str:
+        return " and all others, as so few share the error" if len(self._used) < _MANY else ""
+
+    @property
     def _lens_hint(self) -> str:
         if self.calibration.intrinsics is None:
             return ", or does the lens distort? Then calibrate it first (robsim calibrate lens)"
@@ -217,8 +229,6 @@ class FloorCalibration(Report):
     def remarks(self) -> tuple[str, ...]:
         """What could not be told."""
         said = []
-        if np.isnan(self.expected_errors).any():
-            said.append("four points fit any map exactly: with more of them, a wrong one shows")
         if self.calibration.intrinsics is None:
             said.append(
                 "without a lens, the height of the markers cannot be accounted for, and distortion "
