@@ -308,6 +308,16 @@ def test_parameter_convergence_of_a_run():
     assert report.verdict == "not converged"
 
 
+def test_online_estimates_from_noisy_poses_are_called_biased():
+    options = {"measure": True, "noise": robsim.GaussianNoise(10), "resolution": (480, 480)}
+    trace = driven(30, estimate_parameters=True, identify_from="measurement", **options)
+    assert "biased" in " ".join(parameter_convergence(trace).remarks)
+    assert "output_error" in " ".join(robsim.identifiability(trace).remarks)
+    exact = driven(30, estimate_parameters=True)
+    assert "biased" not in " ".join(parameter_convergence(exact).remarks)
+    assert "output_error" not in " ".join(robsim.identifiability(exact).remarks)
+
+
 # Cramér-Rao bounds
 
 

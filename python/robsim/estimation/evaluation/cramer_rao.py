@@ -84,8 +84,8 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
     trace : Trace
         The run: its true poses and inputs are the regressors. Samples across a bounce are omitted.
     sigma : array (3,)
-        Standard deviation of the equation noise of x, y (in the unit of the trace) and heading
-        (rad): of the process noise of each step, or of the one-step prediction errors of your data.
+        Standard deviation of the process noise of x, y (in the unit of the trace) and heading (rad)
+        in each step.
 
     Returns
     -------
@@ -97,6 +97,11 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
     ------
     TypeError, ValueError
         If the trace has no true poses, or sigma has the wrong type or shape.
+
+    Notes
+    -----
+    For noise of the measurement this is no bound: with the sigma of one-step prediction errors it
+    is the least error of least squares. Output error may be 100 times as exact.
     """
     _check_truth(trace)
     noise = as_float_array("sigma", sigma)
@@ -154,7 +159,8 @@ def posterior_cramer_rao_bound(
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
     Here it is computed for P = J^-1, which allows a singular Q. For a linear system it is the
-    covariance of the Kalman filter. Average over runs if the trajectories differ much.
+    covariance of the Kalman filter; for others it is an approximation, which errors may fall below
+    by some percent. Average over runs if the trajectories differ much.
     """
     F, H, Q, R, P = map(as_float_array, ("F", "H", "Q", "R", "P0"), (F, H, Q, R, P0))
     has_measurement = _seen_steps(F, seen)

@@ -119,6 +119,10 @@ class ConvergenceReport(Report):
     def remarks(self) -> tuple[str, ...]:
         """What near means, and what the verdict hangs on where it is at the limit."""
         near = "near: within the tolerance of the true value, from then on until the end"
+        if self.identify_from != "truth":
+            near += (
+                f"; from the {self.identify_from}, least squares is biased, however long it runs"
+            )
         if not self.at_limit:
             return (near,)
         name = PARAMETER_NAMES[int(np.argmin(self._margins()))]

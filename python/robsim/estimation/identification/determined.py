@@ -39,7 +39,8 @@ class Identifiability(Report):
     ----------
     standard_errors : array (3, 5)
         Standard errors of the parameters, rows X, Y, P (heading), columns a1, a2, b1, b2, d1: the
-        Cramér-Rao bound for this noise. inf = not determined at all, NaN = no samples yet.
+        Cramér-Rao bound for process noise of `sigma`; for measured poses the least error of
+        least squares. inf = not determined at all, NaN = no samples yet.
     relative : array (3, 5)
         Standard errors as a fraction of the parameter's magnitude; for d1, which may be 0, as a
         fraction of the larger of b1 and b2, the effect of 1 V.
@@ -139,6 +140,11 @@ class Identifiability(Report):
             remarks.append(
                 "at the limit: the standard error relative to the parameter is random itself, and "
                 "within one standard deviation of the limit, so that another run may say otherwise"
+            )
+        if self.identify_from == "measurement":
+            remarks.append(
+                "this is of least squares: batch_estimate(trace, method='output_error') may be 100 "
+                "times as exact where measurement noise is most of the noise"
             )
         return (*remarks, *noise_remarks(self.identify_from))
 
