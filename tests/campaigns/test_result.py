@@ -38,6 +38,15 @@ def test_means_and_intervals_are_those_of_students_t(rng):
         assert report.sd[group, 0] == pytest.approx(values[group].std(ddof=1))
 
 
+def test_means_of_different_runs_are_told(rng):
+    values = rng.normal(size=(2, 12))
+    same = summary(values)
+    values[1, :5] = np.nan
+    different = summary(values)
+    assert (different.n[1, 0], different.n_pairs[1, 0]) == (7, 7)
+    assert len(different.remarks) == len(same.remarks) + 1
+
+
 def test_differences_are_those_of_pairs(rng):
     common = rng.normal(0, 10, 20)
     values = np.array([common, common + rng.normal(1, 0.5, 20)])

@@ -124,7 +124,7 @@ def test_a_score_reads_as_a_report():
     score = score_path(trace_of([(0, 0), (50, 8), (100, 0)], u=(0.5, 0.5)), L_TURN)
     lines = str(score).splitlines()
     assert lines[0].endswith(": incomplete")
-    values = [line.split("   ")[-1].strip() for line in lines[1:]]
+    values = [line.split("   ")[-1].strip() for line in lines[1:9]]
     assert values == ["2", "1", "-", "4.6", "8.0", "100.0", "0.50", "truth"]
     completed = score_path(trace_of([(0, 0), (100, 0)]), [(100, 0)])
     assert (completed.verdict, completed.completed_step) == ("completed", 1)
@@ -140,7 +140,17 @@ def test_a_score_reads_as_a_report():
         "final_distance": 100.0,
         "effort": 0.5,
         "units": {"rmse": "px", "max_error": "px", "final_distance": "px", "effort": "V"},
+        "remarks": list(score.remarks),
     }
+
+
+def test_small_errors_of_a_robot_that_stands_say_so():
+    standing, driving = (
+        score_path(trace_of(places), [(100, 0)]) for places in ([(0, 0)] * 3, [(0, 0), (100, 0)])
+    )
+    assert standing.rmse == driving.rmse == 0
+    assert standing.remarks
+    assert not driving.remarks
 
 
 def test_wrong_input_is_named():

@@ -71,7 +71,8 @@ def campaign(
         SQLite file that keeps the rows. What is there already is not run again: the same call goes
         on where one was ended, and one with more `runs` adds to them. Default: in memory.
     time_limit : float, optional
-        Maximum duration of a call of a callback (s); a run that exceeds it fails.
+        Maximum duration of a call of a callback (s); a run that exceeds it fails. It is by the
+        clock: on a busy machine a tight limit makes runs fail by chance.
     keep : str
         What the store keeps of each run: ``"numbers"``, or its trace, too: ``"traces"``, which
         `trace` of the result then reads. One of 100 steps with measurements takes some 35 kB.

@@ -76,7 +76,8 @@ class CampaignSpec:
     seed : int or SeedRecord
         What the seeds of the runs come from, see `seed_of`.
     time_limit : float or None
-        Maximum duration of a call of a callback (s).
+        Maximum duration of a call of a callback (s), by the clock: on a busy machine calls take
+        longer, so that a tight limit makes runs fail by chance.
     keep : str
         What is kept of each run: ``"numbers"``, or its trace, too: ``"traces"``.
     given : str

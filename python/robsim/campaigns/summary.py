@@ -136,6 +136,11 @@ class CampaignSummary(Report):
                 "runs more: how many more let the interval of the difference exclude 0, if mean "
                 "and spread stay what they are; decided: it does"
             )
+        if (self.n != self.n[:1]).any():
+            remarks.append(
+                "the means are of different runs, where the number is known: compare the "
+                "differences, which are of the runs that have both"
+            )
         if self.failed:
             one = self.failed == 1
             runs = "1 run failed and counts" if one else f"{self.failed} runs failed and count"

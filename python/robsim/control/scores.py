@@ -77,6 +77,13 @@ class PathScore(Report):
             Quantity("source", "poses from", self.source),
         )
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The part of the path that the errors are of."""
+        if self.completed_step is not None:
+            return ()
+        return ("the cross-track errors are of the way driven: a robot at rest has errors of 0",)
+
 
 def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 25.0) -> PathScore:
     """Score a run against the path from its first pose through the waypoints.
