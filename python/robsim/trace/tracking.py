@@ -159,7 +159,8 @@ class TrackingStatistics(Report):
         if not math.isnan(self.reported_xy):
             yield (
                 "the reported error is the standard deviation that a measurement gives itself, "
-                "the median of all: about as large as the rmse if it is right"
+                "the median of all. If it is right, it is as large as the rmse and, of the "
+                "position, 1.2 times the median error; a larger rmse alone is of a few poses"
             )
         if self.drawn_headings is not None and self.seen:
             turn = 360 / self.drawn_headings
