@@ -191,6 +191,7 @@ def test_errors_are_those_at_the_end_and_headings_turn_around():
         final_heading_error=pytest.approx(-0.1),
         settled_step=1,
         settling_time=pytest.approx(0.2),
+        held=1,
         overshoot=0.0,
         effort=pytest.approx(np.sqrt(0.125)),
     )
@@ -206,6 +207,17 @@ def test_it_settles_where_it_stays_within_both_tolerances():
     never = score_pose(trace, (100, 50, 0), heading_tolerance=0.05)
     assert (never.settled_step, never.verdict) == (None, "not settled")
     assert score_pose(trace_of_poses(poses[1:2]), (100, 50, 0)).settled_step == 0
+
+
+def test_who_may_only_drive_through_is_told():
+    through = score_pose(trace_of_poses([(x, 0, 0) for x in range(0, 400, 10)]), (400, 0, 0))
+    stays = [(x, 0, 0) for x in range(0, 400, 10)] + [(400, 0, 0)] * 5
+    parked = score_pose(trace_of_poses(stays), (400, 0, 0))
+    never = score_pose(trace_of_poses(stays), (0, 0, 0))
+    assert (through.held, parked.held, never.held) == (2, 7, 0)
+    assert through.remarks
+    assert not parked.remarks
+    assert not never.remarks
 
 
 def test_settling_takes_the_time_since_the_first_step_of_the_trace():

@@ -16,6 +16,8 @@ from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 from robsim.trace.units import length_format
 
+_FEW_STEPS = 5  # that a robot may be within tolerances while it drives through them
+
 
 @dataclass(frozen=True, kw_only=True)
 class PathScore(Report):
@@ -200,6 +202,8 @@ class PoseScore(Report):
         is not within them.
     settling_time : float or None
         How long that took (s).
+    held : int
+        Number of steps with a pose from then on.
     overshoot : float or None
         How far beyond the position tolerance it was again after it had once been within (in
         `unit`); None = it never was.
@@ -214,6 +218,7 @@ class PoseScore(Report):
     final_heading_error: float
     settled_step: int | None
     settling_time: float | None
+    held: int
     overshoot: float | None
     effort: float
     unit: str = "px"
@@ -238,10 +243,18 @@ class PoseScore(Report):
             Quantity("final_heading_error", heading, self.final_heading_error, "rad", ".3f"),
             Quantity("settled_step", "settled from step", self.settled_step),
             Quantity("settling_time", "settled after", self.settling_time, "s", ".1f"),
+            Quantity("held", "steps since then", self.held),
             Quantity("overshoot", "overshoot", self.overshoot, unit, length),
             Quantity("effort", "rms voltage", self.effort, "V", ".2f"),
             Quantity("source", "poses from", self.source),
         )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The few steps that make the verdict."""
+        if not 0 < self.held < _FEW_STEPS:
+            return ()
+        return (f"settled by the last {self.held} of the poses: the robot may only drive through",)
 
 
 def score_pose(
@@ -301,6 +314,7 @@ def score_pose(
         final_heading_error=float(headings[-1]),
         settled_step=None if settled is None else int(trace.k[settled]),
         settling_time=None if settled is None else float(trace.t[settled] - trace.t[0]),
+        held=len(rows) - first,
         overshoot=None if after is None else max(0.0, float(after.max()) - near),
         effort=rms_voltage(trace),
         unit=trace.info.unit,
