@@ -159,8 +159,8 @@ def posterior_cramer_rao_bound(
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
     Here it is computed for P = J^-1, which allows a singular Q. For a linear system it is the
-    covariance of the Kalman filter; for others it is an approximation, which errors may fall below
-    by some percent. Average over runs if the trajectories differ much.
+    covariance of the Kalman filter; for others it is an approximation, no strict
+    bound. Average over runs if the trajectories differ much.
     """
     F, H, Q, R, P = map(as_float_array, ("F", "H", "Q", "R", "P0"), (F, H, Q, R, P0))
     has_measurement = _seen_steps(F, seen)
