@@ -207,7 +207,6 @@ EdgeSums sums_of(const EdgePixels& pixels, const EdgeShift& shift, const Appeara
       sums.information[i][j] = sums.information[j][i] = products[i][j] - known;
     }
     sums.gradient[i] = products[i][z_column];
-    sums.appearance[i] = {products[i][one_column], products[i][t_column]};
   }
   return sums;
 }

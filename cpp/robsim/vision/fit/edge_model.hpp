@@ -46,7 +46,6 @@ struct EdgeSums {
   double slope = 0;                                                      // T'^2
   std::array<std::array<double, parameters>, parameters> information{};  // D'PD
   std::array<double, parameters> gradient{};                             // D'z
-  std::array<std::array<double, 2>, parameters> appearance{};            // D'K,  K = (1, T)
 };
 
 /// Writes T and its slope to the pixels, and fits the appearance. False if all T are the same.

@@ -4,16 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "robsim/base/elementary/elementary.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
-#include "robsim/vision/fit/grid_error.hpp"
-#include "robsim/vision/fit/hidden_edge.hpp"
 #include "robsim/vision/fit/light_step.hpp"
-#include "robsim/vision/fit/pose_mixture.hpp"
 
 namespace robsim {
 
@@ -50,19 +46,6 @@ constexpr double visible = 0.05;          // residuals above which it pays: shar
 constexpr double clearly_better = 0.8;    // ratio of residuals with weights to those without
 constexpr double picture_error = 0.008;   // frame px a marker: pictures are not drawn more exactly
 
-// An edge inside of the outline: a strip in the colour of the body hides the rest.
-constexpr double hidden_prior = 0.007;   // probability per px of the edge's move, less above 1 px
-constexpr double least_evidence = 4.8;   // squared standard deviations: chance seldom gives more
-constexpr double certain_evidence = 16;  // the same, where linear estimates no longer hold
-constexpr double edge_error = 0.04;      // frame px: pictures of an edge are not more exact
-constexpr double evidence_error = 0.05;  // share of the evidence that is the model's error
-
-constexpr double least_share = 0.25;  // of the squares at the best edge
-constexpr double least_score = 0.5;   // squared standard deviations, if all else were known
-constexpr double least_left = 0.06;   // of the information, if all else is not known
-
-constexpr double farthest_residual = 9;  // squared standard deviations: more is a foreign pixel
-
 struct Unknowns {
   Pose pose;
   double log_blur = 0;  // from the usual one
@@ -76,7 +59,7 @@ class Fit {
  public:
   Fit(const ImageView& image, const PlaneMap& map, const MarkerShape& first,
       const MarkerShape& second, const Pose& start)
-      : image_(&image), map_(&map), shapes_{&first, &second} {
+      : image_(image), map_(map), shapes_{&first, &second} {
     at_.pose = start_ = start;
     const Point a = first.centroid(), b = second.centroid();
     const Point middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
@@ -87,194 +70,27 @@ class Fit {
   std::optional<PoseFit> run() {
     if (!gather_edges() || !iterate(most_fit_steps)) return std::nullopt;
     const double factor = misfit();
-    const std::vector<HiddenEdge> hidden = hidden_edges(factor);
-    if (!hidden.empty() &&
-        (factor > correlated || strongest(hidden).evidence() > certain_evidence)) {
-      return mean_of_ways(hidden, factor);
-    }
-    const double left = explain(factor);
-    return result(left, is_plain() ? hidden : hidden_edges(left));
-  }
-
- private:
-  struct HiddenEdge {
-    std::size_t marker;
-    Direction direction;
-    double size, variance;  // by how much it is moved (frame px)
-    Eigen::Vector3d shift;  // of the pose, if it is
-    double evidence() const { return size * size / variance; }
-    bool operator<(const HiddenEdge& other) const { return evidence() < other.evidence(); }
-  };
-
-  static const HiddenEdge& strongest(const std::vector<HiddenEdge>& hidden) {
-    return *std::max_element(hidden.begin(), hidden.end());
-  }
-
-  bool is_plain() const { return !is_robust_ && !light_steps_[0] && !light_steps_[1]; }
-
-  // Looks for steps of light, and for pixels that do not fit. Returns the misfit that is left.
-  double explain(double factor) {
     if (find_light_steps(factor > suspicious)) {
       Fit in_two_lights = *this;
       in_two_lights.divide_by_light();
       if (in_two_lights.iterate(most_robust_steps)) {
         const double left = in_two_lights.misfit();
-        if (left - 1 <= mostly_explained * (factor - 1)) {
-          *this = std::move(in_two_lights);
-          return without_hidden_pixels(left);
-        }
+        if (left - 1 <= mostly_explained * (factor - 1))
+          return in_two_lights.result_without_hidden_pixels(left);
       }
       light_steps_ = {};
     }
-    return without_hidden_pixels(factor);
+    return result_without_hidden_pixels(factor);
   }
 
+ private:
   // Of a marker that is partly hidden, the rest fits much better without that part.
-  double without_hidden_pixels(double factor) {
-    if (factor <= correlated || largest_residual() <= visible) return factor;
-    Fit robust = *this;
-    robust.is_robust_ = true;
-    if (!robust.iterate(most_robust_steps) || !robust.fits_better_than(*this)) return factor;
-    *this = std::move(robust);
-    return std::max(factor, misfit());
-  }
-
-  // Edges that stand out of the noise and of the errors of pictures.
-  // Method: score tests (Rao, 1948) of edges that are moved inwards.
-  std::vector<HiddenEdge> hidden_edges(double factor) const {
-    std::vector<HiddenEdge> found;
-    const Eigen::LLT<Information> decomposition(information_);
-    const Step step = decomposition.solve(gradient_);
-    const double of_picture = edge_error * edge_error + std::pow(grid_error(at_.blur()), 2);
-    for (std::size_t marker = 0; marker < 2; ++marker) {
-      std::vector<std::pair<const EdgeFit*, EdgeSectors>> parts;
-      for (const EdgeFit& part : parts_) {
-        if (part.marker == marker) parts.emplace_back(&part, EdgeSectors(part));
-      }
-      std::array<double, hidden_directions> scores{}, squares{};
-      for (std::size_t i = 0; i < hidden_directions; ++i) {
-        for (const auto& [part, sectors] : parts) {
-          const HiddenEdgeSums edge = sectors.first_look(i);
-          // dq = -size/blur
-          scores[i] -= part->weights.gain / part->variance * edge.score / at_.blur();
-          squares[i] += part->precision() * edge.squares / (at_.blur() * at_.blur());
-        }
-      }
-      const double most = *std::max_element(squares.begin(), squares.end());
-      for (std::size_t i = 0; i < hidden_directions; ++i) {
-        if (!(scores[i] > 0 && squares[i] > least_share * most &&
-              scores[i] * scores[i] > least_score * factor * squares[i]))
-          continue;
-        double all = 0;
-        Step cross = Step::Zero();
-        for (const auto& [part, sectors] : parts) {
-          const HiddenEdgeSums edge = sectors.sums(i);
-          const double precision = part->precision() / at_.blur();
-          const Eigen::Map<const Eigen::Matrix<double, parameters, 1>> of_part(edge.cross.data());
-          all += precision * edge.information / at_.blur();
-          cross -= precision * (jacobian(*part).transpose() * of_part);
-        }
-        // size = h'Pz / h'Ph,  P the projection off all unknowns
-        const Step along = decomposition.solve(cross);
-        const double information = all - cross.dot(along);
-        if (!(information > least_left * all)) continue;
-        const double size = (scores[i] - cross.dot(step)) / information;
-        const HiddenEdge edge{marker, directions_of_hidden_edges()[i], size,
-                              factor / information + of_picture, -size * along.head<3>()};
-        if (size > 0 && edge.evidence() > least_evidence) found.push_back(edge);
-      }
-    }
-    return found;
-  }
-
-  static void average(const std::vector<HiddenEdge>& hidden, PoseFit& fit) {
-    const double most = strongest(hidden).evidence();
-    std::vector<PossiblePose> poses = {{1, Eigen::Vector3d::Zero(), fit.covariance}};
-    for (const HiddenEdge& edge : hidden) {
-      const double behind = (most - edge.evidence()) / (1 + evidence_error * most);
-      const double log_odds = (std::min(most - behind, 100.0) - edge.size * edge.size) / 2;
-      poses.push_back({hidden_prior * std::sqrt(2 * pi * edge.variance) * elementary::exp(log_odds),
-                       edge.shift,
-                       fit.covariance + edge.shift * edge.shift.transpose() / edge.evidence()});
-    }
-    mix(poses, fit);
-  }
-
-  // Where an edge is clearly hidden: without the pixels at that edge, without those at the edge
-  // that is next in evidence, and as ever. Each way counts by how well its pose explains all
-  // pixels.
-  std::optional<PoseFit> mean_of_ways(std::vector<HiddenEdge> hidden, double factor) {
-    std::vector<Fit> ways;
-    for (int i = 0; i < 2 && !hidden.empty(); ++i) {
-      const HiddenEdge edge = strongest(hidden);
-      Fit way = *this;
-      way.without_ = edge;
-      if (way.gather_edges() && way.iterate(most_robust_steps)) ways.push_back(std::move(way));
-      const auto is_near = [&](const HiddenEdge& other) {
-        return other.marker == edge.marker &&
-               other.direction.x * edge.direction.x + other.direction.y * edge.direction.y > 0.5;
-      };
-      hidden.erase(std::remove_if(hidden.begin(), hidden.end(), is_near), hidden.end());
-    }
-    std::vector<double> left;
-    for (const Fit& way : ways) left.push_back(way.misfit());
-    left.push_back(explain(factor));
-    ways.push_back(*this);
-    const std::vector<double> odds = odds_of(ways);
-    std::optional<PoseFit> best;
-    std::vector<PossiblePose> poses;
-    std::vector<PoseFit> fits;
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      const auto fit = ways[i].result(left[i], ways[i].hidden_edges(left[i]));
-      if (!fit) continue;
-      if (!best || odds[i] == 1) best = fit;
-      poses.push_back({odds[i], Eigen::Vector3d::Zero(), fit->covariance});
-      fits.push_back(*fit);
-    }
-    if (!best) return std::nullopt;
-    for (std::size_t i = 0; i < fits.size(); ++i)
-      poses[i].shift = shift_between(best->pose, fits[i].pose);
-    mix(poses, *best);
-    best->misfit = std::max(best->misfit, factor);
-    return best;
-  }
-
-  // Of poses, by what each leaves of all pixels; 1 of the best.
-  static std::vector<double> odds_of(const std::vector<Fit>& ways) {
-    std::vector<std::vector<EdgeFit>> all;
-    double deviation[2] = {1, 1};
-    for (const Fit& way : ways) {
-      all.push_back(way.parts_with_all_pixels());
-      for (const EdgeFit& part : all.back()) {
-        const double usual = std::max(part.usual_residual() / 0.6745, 0.02);
-        deviation[part.marker] = std::min(deviation[part.marker], usual);
-      }
-    }
-    std::vector<double> costs;
-    for (const std::vector<EdgeFit>& parts : all) {
-      double cost = parts.empty() ? std::numeric_limits<float>::max() : 0.0;
-      for (const EdgeFit& part : parts) {
-        const double unit = part.weights.gain * deviation[part.marker];
-        for (const float z : part.residuals()) {
-          const double deviations = static_cast<double>(z) / unit;
-          cost += std::min(deviations * deviations, farthest_residual);
-        }
-      }
-      costs.push_back(cost);
-    }
-    const double least = *std::min_element(costs.begin(), costs.end());
-    // Residuals resemble their neighbours: half of the difference counts.
-    for (double& cost : costs) cost = elementary::exp((least - cost) / 4);
-    return costs;
-  }
-
-  std::vector<EdgeFit> parts_with_all_pixels() const {
-    Fit all = *this;
-    all.light_steps_ = {};
-    all.without_.reset();
-    if (!all.gather_edges() || !all.weigh_pixels() || !all.weigh_pixels() || !all.update_parts())
-      return {};
-    return std::move(all.parts_);
+  std::optional<PoseFit> result_without_hidden_pixels(double factor) {
+    if (factor <= correlated || largest_residual() <= visible) return result(factor);
+    const Fit plain = *this;
+    is_robust_ = true;
+    if (!iterate(most_robust_steps) || !fits_better_than(plain)) return plain.result(factor);
+    return result(std::max(factor, misfit()));
   }
 
   double scale() const { return (parts_.front().pixels.scale + parts_.back().pixels.scale) / 2; }
@@ -317,22 +133,11 @@ class Fit {
     parts_.resize(2);
     for (std::size_t k = 0; k < 2; ++k) {
       parts_[k].marker = k;
-      gather(*image_, *map_, *shapes_[k], gathered_, ring, parts_[k].pixels);
+      gather(image_, map_, *shapes_[k], gathered_, ring, parts_[k].pixels);
       if (parts_[k].pixels.count == 0) return false;
     }
-    if (without_) leave_out(parts_[without_->marker].pixels, without_->direction);
     divide_by_light();
     return true;
-  }
-
-  static void leave_out(EdgePixels& pixels, const Direction& direction) {
-    for (EdgeBlock& block : pixels.blocks) {
-      for (int i = 0; i < EdgeBlock::size; ++i) {
-        if (hidden_share(direction, static_cast<double>(block.normal_x[i]),
-                         static_cast<double>(block.normal_y[i])) > 0)
-          block.weight[i] = 0;
-      }
-    }
   }
 
   void divide_by_light() {
@@ -396,8 +201,7 @@ class Fit {
   }
 
   // The normal equations where the fit is: information N and gradient g. False without an edge.
-  bool linearize() {
-    Step& gradient = gradient_;
+  bool linearize(Step& gradient) {
     const double growth = growth_spread / scale();
     Step precision;
     precision << 0, 0, 0, 1 / (blur_spread * blur_spread), 1 / (apart_spread * apart_spread),
@@ -427,14 +231,15 @@ class Fit {
     for (int i = 0; i < steps || (!is_blur_found && i < most_blur_steps); ++i) {
       if (i > 0 && is_out_of_date() && !gather_edges()) return false;
       if (is_robust_ && !weigh_pixels()) return false;
-      if (!linearize()) return false;
+      Step gradient;
+      if (!linearize(gradient)) return false;
       const Eigen::LLT<Information> decomposition(information_);
       if (decomposition.info() != Eigen::Success) return false;
-      Step step = decomposition.solve(gradient_);
+      Step step = decomposition.solve(gradient);
       const double length = scale() * displacement(step[0], step[1], step[2]);  // frame px
       if (!std::isfinite(length)) return false;
       // The step in standard deviations: s^2 = g' N^-1 g
-      const bool is_negligible = gradient_.dot(step) < negligible * negligible;
+      const bool is_negligible = gradient.dot(step) < negligible * negligible;
       has_converged_ = length < converged_step || is_negligible;
       if (length > longest_step) step *= longest_step / length;
       take(step);
@@ -482,7 +287,7 @@ class Fit {
     return is_wide || moved_from(gathered_) > gather_again;
   }
 
-  std::optional<PoseFit> result(double factor, const std::vector<HiddenEdge>& hidden) const {
+  std::optional<PoseFit> result(double factor) const {
     PoseFit fit;
     fit.pose = at_.pose;
     fit.misfit = factor;
@@ -496,7 +301,6 @@ class Fit {
     const double second_order = 1.05 + 15 / (fit.signal_to_noise * fit.signal_to_noise);
     fit.covariance = factor * second_order * all.topLeftCorner<3, 3>() + picture_covariance(factor);
     if (!fit.covariance.allFinite()) return std::nullopt;
-    if (!hidden.empty()) average(hidden, fit);
     return fit;
   }
 
@@ -513,17 +317,12 @@ class Fit {
       sum += j.transpose() * j;
     }
     const double left = (1 - 1 / factor) / least_precision();
-    double variance = picture_error * picture_error + left * at_.blur() * at_.blur();
-    if (const double error = grid_error(at_.blur()); error > 0) {
-      variance += error * error *
-                  std::max(grid_share(*shapes_[0], at_.pose, *map_),
-                           grid_share(*shapes_[1], at_.pose, *map_));
-    }
+    const double variance = picture_error * picture_error + left * at_.blur() * at_.blur();
     return variance / (scale() * scale()) * sum.inverse();
   }
 
-  const ImageView* image_;
-  const PlaneMap* map_;
+  const ImageView& image_;
+  const PlaneMap& map_;
   const MarkerShape* shapes_[2];
   Point from_middle_[2];        // work-area px, in the robot's frame
   std::vector<EdgeFit> parts_;  // one of each marker in each light
@@ -532,9 +331,7 @@ class Fit {
   Pose gathered_;
   Unknowns at_;
   bool is_robust_ = false;
-  std::optional<HiddenEdge> without_;  // the edge whose pixels are left out
   Information information_;
-  Step gradient_;
   double signal_ = 0;
   bool has_converged_ = false;
 };
