@@ -23,7 +23,8 @@ from fuzzing import (
 from robsim.vision import Blob, MarkerLayout, PlaneMap, detect
 from scenarios import scenarios
 
-pytestmark = pytest.mark.fuzz
+# Odd voltages, headings and noises are warned of.
+pytestmark = [pytest.mark.fuzz, pytest.mark.filterwarnings("ignore::UserWarning")]
 
 
 # --- simulations

@@ -15,6 +15,8 @@ from robsim.simulation.options import OPTIONS
 from scenarios import FULL, scenarios
 from sizes import thorough
 
+pytestmark = pytest.mark.filterwarnings("ignore:a noise of", "ignore:a heading noise of")
+
 
 def child_seed():
     return np.random.SeedSequence(7).spawn(2)[1]

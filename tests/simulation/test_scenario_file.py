@@ -17,6 +17,8 @@ from robsim.vision import MarkerLayout
 from scenarios import FULL, scenarios
 from sizes import thorough
 
+pytestmark = pytest.mark.filterwarnings("ignore:a noise of", "ignore:a heading noise of")
+
 # --- there and back
 
 

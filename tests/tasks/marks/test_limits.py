@@ -188,6 +188,7 @@ def test_a_few_tests_on_fresh_runs_come_out_as_promised(name):
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore:.*looks like degrees")
 @pytest.mark.parametrize(
     ("answers", "turn", "most"),
     [(lambda k: k == 30, 1.0, 0.05), (lambda k: k % 3, 1.0, 0.65), (lambda k: True, 57.3, 0.2)],
