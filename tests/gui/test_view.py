@@ -117,8 +117,17 @@ def test_a_line_that_is_cut_is_forgotten_and_others_go_on(panel):
 def test_the_last_line_that_is_cut_pauses_the_run(patience):
     patience(0.01)
     view = PanelView(simulation(), speed=math.inf)
-    Cut(view).press("start")
-    assert runs(view)
+    is_busy, may_go_on = threading.Event(), threading.Event()
+    view.driver.call(lambda: (is_busy.set(), may_go_on.wait(SOON)))
+    assert is_busy.wait(SOON)
+    cut = Cut(view)
+    cut.press("start")
+    wait_for(lambda: view.driver.n_waiting)
+    cut.left = 0
+    view.post(view.tell_state)
+    wait_for(lambda: not view.links and view.driver.n_waiting > 1)  # the start, and the pause
+    may_go_on.set()
+    done(view.driver.call(lambda: None))
     wait_for(lambda: view.driver.state == "paused")
     view.close()
 

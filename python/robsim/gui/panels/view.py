@@ -174,9 +174,10 @@ class PanelView(View):
             self._alone_at = math.inf
         if now >= self._alone_at:
             self._alone_at = math.inf
-            if self.is_running and self.driver.has_motors:
+            is_moving = self.is_running or self.driver.n_waiting  # such as a start
+            if is_moving and self.driver.has_motors:
                 self.guarded(self.driver.stop_robot)
-            elif self.is_running:
+            elif is_moving:
                 self.driver.pause()
         return self._alone_at
 
