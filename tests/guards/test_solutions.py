@@ -18,6 +18,7 @@ def numbers_of(solution):
 
 
 @pytest.mark.kernels
+@pytest.mark.filterwarnings("ignore:.*looks like degrees")
 @pytest.mark.parametrize("name", KEPT)
 def test_no_solution_got_better_or_worse(name):
     found = scores_of(name)
