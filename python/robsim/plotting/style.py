@@ -56,7 +56,7 @@ Panels = Sequence[Axes] | NDArray[np.object_]
 
 def check_optional(name: str, value: Any, kind: type) -> None:
     if value is not None:
-        check_kind(name, value, kind)
+        check_source(name, value, kind)
 
 
 def check_blobs(blobs: Any) -> None:
@@ -71,7 +71,7 @@ def check_blobs(blobs: Any) -> None:
             )
 
 
-def check_kind(name: str, value: Any, kind: type) -> None:
+def check_source(name: str, value: Any, kind: type) -> None:
     """Raise a TypeError, which says where to get one from, unless a value is of a kind above."""
     if not isinstance(value, kind):
         raise TypeError(
@@ -82,7 +82,7 @@ def check_kind(name: str, value: Any, kind: type) -> None:
 
 def check_steps(trace: Any) -> None:
     """Raise a TypeError unless it is a trace, a ValueError if nothing has run yet."""
-    check_kind("trace", trace, Trace)
+    check_source("trace", trace, Trace)
     if not len(trace):
         raise ValueError("the trace has no steps yet: run the simulation, sim.run(100)")
 
@@ -94,7 +94,7 @@ def check_axes(axes: Any, shape: tuple[int, ...]) -> NDArray[np.object_]:
     if found.shape != shape:
         raise ValueError(f"axes: expected an array of {size} axes, got the shape {found.shape}")
     for one in found.flat:
-        check_kind("axes", one, Axes)
+        check_source("axes", one, Axes)
     return found
 
 
@@ -108,7 +108,7 @@ def check_panels(axes: Any, rows: list[list[str]]) -> None:
     if missing := sorted({name for row in rows for name in row} - axes.keys()):
         raise ValueError(f"axes must have the panels {', '.join(missing)}, got {', '.join(axes)}")
     for one in axes.values():
-        check_kind("axes", one, Axes)
+        check_source("axes", one, Axes)
 
 
 def check_positions(name: str, values: Any) -> Floats:
@@ -188,7 +188,7 @@ def panel(ax: Axes | None, size: tuple[float, float]) -> Axes:
     """Return the axes given to a figure of one panel, or those of a new figure (inches)."""
     if ax is None:
         return NotebookFigure(figsize=size).add_subplot(axes_class=NotebookAxes)
-    check_kind("ax", ax, Axes)
+    check_source("ax", ax, Axes)
     return ax
 
 

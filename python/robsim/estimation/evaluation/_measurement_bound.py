@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robsim._core import Frame
-from robsim.base.checks import Floats, as_float_array
+from robsim.base.checks import Floats, as_float_array, check_kind
 from robsim.base.report import Quantity, Report
 from robsim.base.text import quoted
 from robsim.vision.imaging.noise import GaussianNoise, Noise, as_native_noise
@@ -341,8 +341,7 @@ def measurement_bound(
     >>> noise = robsim.GaussianNoise(10)
     >>> measurement_bound(sim.frame, (500, 600, 0.3), sim.robot, noise=noise).rmse_xy
     """
-    if not isinstance(frame, Frame):
-        raise TypeError(f"frame must be a Frame, got {quoted(frame)}")
+    check_kind("frame", frame, Frame)
     place = as_float_array("pose", pose)
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ValueError(f"pose must be 3 finite numbers (px, px, rad), got {quoted(pose)}")

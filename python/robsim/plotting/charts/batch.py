@@ -14,7 +14,7 @@ from robsim.base.checks import Floats
 from robsim.estimation.identification.batch import BatchEstimate
 from robsim.plotting import style as style
 from robsim.plotting.charts.parameters import percent, relative_scale
-from robsim.plotting.style import check_kind
+from robsim.plotting.style import check_source
 
 # The online estimate often equals the batch estimate: a small diamond in a large circle.
 _MARKERS = {"batch": ("o", 9.0), "online": ("D", 4.5)}
@@ -59,7 +59,7 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     TypeError
         If `report` is not a BatchEstimate.
     """
-    check_kind("report", report, BatchEstimate)
+    check_source("report", report, BatchEstimate)
     ax = style.panel(ax, (9, 7))
     true = report.theta_true.ravel()
     is_known = bool(np.isfinite(true).all())

@@ -12,7 +12,7 @@ from robsim.base.report import percent
 from robsim.base.text import listed, no_formula, quoted
 from robsim.campaigns import CampaignResult
 from robsim.plotting import style as style
-from robsim.plotting.style import check_kind
+from robsim.plotting.style import check_source
 
 _COLORS = (
     *(style.ESTIMATED, style.BATCH, style.MEASURED, style.TRUE),
@@ -56,7 +56,7 @@ def plot_campaign(
         If `result` is not a CampaignResult, has no such metric or option, no run that did not fail,
         or if the labels of the option are no numbers.
     """
-    check_kind("result", result, CampaignResult)
+    check_source("result", result, CampaignResult)
     if not result.metrics:
         raise ValueError("result has no numbers to draw: all runs failed; print(result) says why")
     check_choice("metric", metric, result.metrics)

@@ -11,7 +11,7 @@ from robsim._core import ColorClass
 from robsim.base.checks import Floats, as_float_array, check_text
 from robsim.base.text import no_formula, one_line
 from robsim.plotting import style as style
-from robsim.plotting.style import Panels, check_axes, check_kind
+from robsim.plotting.style import Panels, check_axes, check_source
 
 _NAMES = ("Y: brightness", "U: more = bluer", "V: more = redder")
 
@@ -51,7 +51,7 @@ def plot_color_histograms(
         If `color` is not a ColorClass, the histograms are not of shape (3, 256), or `axes` is not
         of shape (3,).
     """
-    check_kind("color", color, ColorClass)
+    check_source("color", color, ColorClass)
     heights = _normalised("histograms", histograms)
     other_heights = None if others is None else _normalised("others", others)
     if picture is not None:

@@ -17,7 +17,7 @@ from robsim.base.report import percent
 from robsim.base.text import quoted
 from robsim.estimation.evaluation.consistency import ConsistencyReport
 from robsim.plotting import style as style
-from robsim.plotting.style import check_kind, check_steps
+from robsim.plotting.style import check_source, check_steps
 from robsim.trace import Trace
 
 # Corners of the polygon that stands for an ellipse.
@@ -217,7 +217,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     TypeError
         If `report` is not a ConsistencyReport.
     """
-    check_kind("report", report, ConsistencyReport)
+    check_source("report", report, ConsistencyReport)
     ax = style.panel(ax, (8, 3.2))
     k, values, (low, high) = report.k, report.values, report.band.T
     is_inside = (values >= low) & (values <= high)

@@ -21,7 +21,7 @@ from robsim.estimation.evaluation.errors import (
     usual_limits,
 )
 from robsim.plotting import style as style
-from robsim.plotting.style import Panels, check_axes, check_kind
+from robsim.plotting.style import Panels, check_axes, check_source
 from robsim.trace.units import length_format
 
 # Of a long run each of so many parts is drawn as one column.
@@ -144,7 +144,7 @@ def plot_errors(
     TypeError, ValueError
         If `report` is not an ErrorReport, or if `bound` or `axes` has the wrong shape.
     """
-    check_kind("report", report, ErrorReport)
+    check_source("report", report, ErrorReport)
     size = len(report.names)
     minimum_sd = _minimum_sd(bound, (len(report.k), size))
     is_new = axes is None

@@ -15,7 +15,7 @@ from robsim.base.checks import Floats
 from robsim.control.path_following import as_goals
 from robsim.plotting import style as style
 from robsim.plotting.images.overlay import box_corners, heading_line, placed_outline
-from robsim.plotting.style import check_blobs, check_kind, check_optional, check_positions
+from robsim.plotting.style import check_blobs, check_optional, check_positions, check_source
 from robsim.trace import Trace
 from robsim.vision.robots.lookup import load_robot
 
@@ -72,7 +72,7 @@ def plot_frame(
     TypeError, ValueError
         If an argument has the wrong type or shape, or `k` is not a step of `trace`.
     """
-    check_kind("frame", frame, Frame)
+    check_source("frame", frame, Frame)
     check_blobs(blobs)
     check_optional("measurement", measurement, Measurement)
     outline = None if outline is None else check_positions("outline", outline)
@@ -126,7 +126,7 @@ def _part(trace: Trace | None, k: int | None) -> Trace | None:
         if k is not None:
             raise ValueError(f"k needs a trace, got k = {k} and no trace")
         return None
-    check_kind("trace", trace, Trace)
+    check_source("trace", trace, Trace)
     trace = trace.in_unit("px")
     if k is None:
         return trace

@@ -15,7 +15,7 @@ from PIL.ImageFont import FreeTypeFont
 from robsim._core import Blob, Estimate, Frame, Measurement
 from robsim.base.checks import Floats, check_text
 from robsim.plotting import style as style
-from robsim.plotting.style import check_blobs, check_kind, check_optional, check_positions
+from robsim.plotting.style import check_blobs, check_optional, check_positions, check_source
 from robsim.vision.imaging.images import Pixels
 from robsim.vision.robots.polygons import placed
 
@@ -83,7 +83,7 @@ def draw_overlay(
     TypeError, ValueError
         If an argument has the wrong type, or `outline` or `path` is not of shape (N, 2).
     """
-    check_kind("frame", frame, Frame)
+    check_source("frame", frame, Frame)
     check_optional("measurement", measurement, Measurement)
     check_blobs(blobs)
     check_optional("estimate", estimate, Estimate)

@@ -9,7 +9,7 @@ import numpy as np
 from robsim._core import Estimate, Frame, Measurement
 from robsim.base.checks import check_bool, check_int
 from robsim.plotting.images.overlay import draw_overlay
-from robsim.plotting.style import check_kind
+from robsim.plotting.style import check_source
 from robsim.simulation import Simulation
 from robsim.simulation.runner import Runner
 from robsim.trace import Trace
@@ -42,9 +42,9 @@ def annotated_frames(
     TypeError
         If an argument, or one of the frames, has the wrong type.
     """
-    check_kind("frames", frames, Iterable)
-    check_kind("trace", trace, Trace)
-    check_kind("simulation", simulation, Runner)
+    check_source("frames", frames, Iterable)
+    check_source("trace", trace, Trace)
+    check_source("simulation", simulation, Runner)
     return _annotated(frames, trace, simulation)
 
 
@@ -55,7 +55,7 @@ def _annotated(frames: Iterable[Frame], trace: Trace, simulation: Runner) -> Ite
     told, trace = trace, trace.in_unit("px")
     measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):
-        check_kind(f"frames[{i}]", frame, Frame)
+        check_source(f"frames[{i}]", frame, Frame)
         is_estimated = np.isfinite(estimated[i]).all()
         yield draw_overlay(
             frame,
@@ -111,7 +111,7 @@ def play(
     TypeError, ValueError
         If an argument has the wrong type, or the run has no such steps.
     """
-    check_kind("simulation", simulation, Simulation)
+    check_source("simulation", simulation, Simulation)
     trace = simulation.trace
     first = check_int("start", start, minimum=0, maximum=len(trace))
     end = len(trace) if stop is None else check_int("stop", stop, minimum=0, maximum=len(trace))

@@ -9,7 +9,7 @@ from matplotlib.patches import Polygon
 from robsim.base.checks import Floats
 from robsim.base.text import no_formula
 from robsim.plotting import style as style
-from robsim.plotting.style import check_kind
+from robsim.plotting.style import check_source
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.polygons import area_and_centroid
 
@@ -43,7 +43,7 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     TypeError
         If `robot` is not a RobotDefinition.
     """
-    check_kind("robot", robot, RobotDefinition)
+    check_source("robot", robot, RobotDefinition)
     ax = style.panel(ax, _figure_size(robot))
     _show_image(ax, robot)
     _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
