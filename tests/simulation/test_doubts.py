@@ -126,3 +126,11 @@ def test_a_noise_below_a_percent_is_told(noise):
     (text,) = warnings_of(lambda: noise(0.2))
     assert f"{noise.__name__}(20)" in text
     assert warnings_of(lambda: [noise(0), noise(1), noise(20)]) == []
+
+
+def test_a_campaign_tells_it_in_its_first_run_alone():
+    def run():
+        vary = {"control": {"strong": lambda step: (1e6, 1e6)}}
+        robsim.campaign(robsim.Scenario(), runs=3, steps=2, vary=vary, metrics=len, seed=1)
+
+    assert len(warnings_of(run)) == 1

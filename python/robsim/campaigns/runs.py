@@ -72,6 +72,7 @@ class CaseRuns:
             for factory in self._factories:
                 setattr(simulation, factory.slot, factory.make())
             trace = simulation.run(self._spec.steps)
+        simulation._warns = False  # the first run has warned
         self._simulation = simulation  # one that failed is not used again
         return trace
 
