@@ -1,6 +1,7 @@
 """What `find_cameras` says of cameras that are there, forbidden or missing."""
 
 import os
+import re
 import sys
 from types import SimpleNamespace
 
@@ -160,3 +161,22 @@ def test_a_bus_that_cannot_be_listed_hides_no_other_camera(nodes, monkeypatch):
     report = find_cameras()
     assert report.verdict == "1 found"
     assert any(line.endswith("the bus was reset") for line in report.missing)
+
+
+@pytest.mark.parametrize("has_camera", [False, True])
+def test_no_kind_of_camera_is_found_and_missing_at_once(nodes, monkeypatch, has_camera):
+    one = ("0123456789abcdef", "IIDC", "on USB")
+    answer = {"address": "192.168.1.2", "vendor": "A", "model": "B", "serial": "C"}
+    bus = SimpleNamespace(nodes=lambda: ([], []), cameras=lambda: [one] * has_camera)
+    network = SimpleNamespace(find_cameras=lambda: [answer] * has_camera)
+    for kind, extension in ((_finding.firewire, bus), (_finding.gige, network)):
+        monkeypatch.setattr(
+            kind, "EXTENSION", SimpleNamespace(load=lambda extension=extension: extension)
+        )
+    report = find_cameras(network=True)
+    for kind in ("FireWire", "GigE"):
+        said = [
+            any(re.match(f"cameras? on {kind}", line) for line in lines)
+            for lines in (report.found, report.missing)
+        ]
+        assert said == [has_camera, not has_camera]

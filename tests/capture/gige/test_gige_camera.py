@@ -1,6 +1,7 @@
 """GigE Vision: frames of cameras, and invalid replies of cameras."""
 
 import _thread
+import itertools
 import os
 import re
 import signal
@@ -251,14 +252,34 @@ def announced(width, height):
 
 @pytest.mark.slow
 @pytest.mark.sanitized
-@pytest.mark.parametrize("size", [(2**31 - 1, 2**31 - 1), (0, 0)])
-def test_a_frame_that_is_smaller_than_it_tells(size):
+def test_a_frame_without_a_size():
     with (
         served(fps=10),
-        between(with_odd_names, sent=announced(*size)),
+        between(with_odd_names, sent=announced(0, 0)),
         pytest.raises(CaptureError, match="no frame"),
     ):
         opened(BETWEEN)
+
+
+@pytest.mark.slow
+@pytest.mark.sanitized
+def test_a_frame_that_is_smaller_than_it_tells_is_torn():
+    numbers = itertools.count()
+    change = announced(2**31 - 1, 2**31 - 1)
+
+    def sent(packet):
+        is_leader = packet[4] & 0x7F == LEADER
+        return change(packet) if is_leader and next(numbers) % 2 else packet
+
+    with served(), between(sent=sent), opened(BETWEEN) as camera:
+        while camera.counts.torn < 3:
+            assert camera.read(300).image.shape == (240, 320, 3)
+    with (
+        served(),
+        between(sent=change),
+        pytest.raises(FrameTimeoutError),
+    ):
+        opened(BETWEEN, open_timeout=2)
 
 
 @pytest.mark.slow

@@ -254,6 +254,8 @@ void BusServer::stall(double seconds, int camera) {
 
 void BusServer::deny(int camera, bool is_denied) { state_->camera(camera).is_denied = is_denied; }
 
+void BusServer::simplify(int camera) { state_->camera(camera).is_plain = true; }
+
 void BusServer::shorten(int camera, bool is_short) { state_->camera(camera).is_short = is_short; }
 
 void BusServer::reset(bool power_fails) {

@@ -42,6 +42,7 @@ class BusServer {
   void stall(double seconds, int camera);
   void deny(int camera, bool is_denied);
   void shorten(int camera, bool is_short);
+  void simplify(int camera);
 
   /// Resets the bus. Where the power fails for a moment, cameras forget that they were to send.
   void reset(bool power_fails);

@@ -41,6 +41,7 @@ PYBIND11_MODULE(_bus_server, module) {
       .def("plug_in", &BusServer::plug_in, py::arg("camera") = 0)
       .def("stall", &BusServer::stall, py::arg("seconds"), py::arg("camera") = 0)
       .def("deny", &BusServer::deny, py::arg("camera") = 0, py::kw_only(), py::arg("denied") = true)
+      .def("simplify", &BusServer::simplify, py::arg("camera") = 0)
       .def("shorten", &BusServer::shorten, py::arg("camera") = 0, py::kw_only(),
            py::arg("shortened") = true)
       .def("reset", &BusServer::reset, py::kw_only(), py::arg("power_fails") = false)

@@ -54,6 +54,7 @@ struct CameraState {
   std::atomic<bool> is_plugged_in{false};
   std::atomic<bool> is_denied{false};         // for lack of permission
   std::atomic<bool> is_short{false};          // says that a frame has half of its packets
+  std::atomic<bool> is_plain{false};          // answers no question about its features
   std::atomic<std::int64_t> silent_until{0};  // ns, monotonic
   // Pictures: RGB, number n in slot n % n_slots.
   std::atomic<std::uint32_t> n_pictures{0};                  // how many there have been; a futex

@@ -14,6 +14,7 @@ namespace {
 // Addresses. Those of the control registers are counted from `control_base`.
 constexpr std::uint64_t rom_base = 0x400, rom_end = 0x800;
 constexpr std::uint64_t control_base = 0xF00000, control_size = 0x900;
+constexpr std::uint64_t inquiry_base = control_base + 0x404, inquiry_size = 0x17C;  // of features
 constexpr std::uint64_t format7_base = 0xF10000, format7_size = 0x80;
 constexpr std::uint64_t absolute_size = 0x400;
 
@@ -298,6 +299,7 @@ bool is_in(std::uint64_t address, std::uint64_t base, std::uint64_t length) {
 
 std::optional<std::uint32_t> read_register(CameraState& camera, std::uint64_t address) {
   if (address % 4) return std::nullopt;
+  if (camera.is_plain && is_in(address, inquiry_base, inquiry_size)) return std::nullopt;
   if (is_in(address, rom_base, rom_end - rom_base)) {
     const std::vector<std::uint32_t> rom = config_rom_of(camera);
     const std::size_t place = (address - rom_base) / 4;

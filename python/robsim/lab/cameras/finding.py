@@ -134,8 +134,6 @@ def _fire_wire() -> Iterator[tuple[bool, str]]:
         yield False, f"cameras on FireWire: {error}"
         return
     readable, denied = extension.nodes()
-    if not readable and not denied:
-        yield False, "cameras on FireWire: this computer has no FireWire bus (/dev/fw0)"
     for node in denied:
         yield False, no_permission(node)
     try:
@@ -143,6 +141,8 @@ def _fire_wire() -> Iterator[tuple[bool, str]]:
     except CaptureError as error:
         yield False, f"cameras on FireWire: {error}"
         return
+    if not cameras and not readable and not denied:  # the library reads some on USB, too
+        yield False, "cameras on FireWire: this computer has no FireWire bus (/dev/fw0)"
     for number, (guid, vendor, model) in enumerate(cameras):
         name = one_line(f"{vendor} {model}")
         yield True, f'camera on FireWire: {name}, {guid}: robsim.Camera("firewire://{number}")'
@@ -154,18 +154,20 @@ def _gige(is_network_searched: bool) -> Iterator[tuple[bool, str]]:
     except NoBackEndError as error:
         yield False, f"cameras on GigE: {error}"
         return
-    yield (
-        True,
-        'GigE Vision, by its address, serial number or name: robsim.Camera("gige://ADDRESS")',
-    )
-    if is_network_searched:
-        cameras = extension.find_cameras()
-        for one in cameras:
-            url = f"gige://{one['address']}"
-            name = one_line(f"{one['vendor']} {one['model']} {one['serial']}")
-            yield True, f'camera on GigE: {name}: robsim.Camera("{url}")'
-        if not cameras:
-            yield False, "cameras on GigE: none answers on the networks of this computer within 1 s"
+    by_address = 'by its address, serial number or name: robsim.Camera("gige://ADDRESS")'
+    cameras = extension.find_cameras() if is_network_searched else []
+    for one in cameras:
+        url = f"gige://{one['address']}"
+        name = one_line(f"{one['vendor']} {one['model']} {one['serial']}")
+        yield True, f'camera on GigE: {name}: robsim.Camera("{url}")'
+    if is_network_searched and not cameras:
+        yield (
+            False,
+            "cameras on GigE: none answers on the networks of this computer within 1 s; one "
+            f"elsewhere opens {by_address}",
+        )
+    elif not cameras:
+        yield True, f"GigE Vision, {by_address}"
     largest = gige.largest_receive_buffer()
     if largest is not None and largest < gige.ENOUGH_RECEIVE_BUFFER:
         yield (

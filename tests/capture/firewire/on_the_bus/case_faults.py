@@ -62,6 +62,16 @@ def test_a_node_that_must_not_be_read_is_named(start):
         opened()
 
 
+def test_a_camera_that_answers_no_question_about_features_sends_all_the_same(start):
+    lab = new_lab()
+    start(lab).simplify()
+    with opened() as camera:
+        assert error_of(lab, camera.read()) < 0.5
+        assert camera.features == CameraFeatures()
+    with pytest.raises(CaptureError, match=r"features\.gain"):
+        opened(features=CameraFeatures(gain=3))
+
+
 def test_a_camera_that_is_unplugged_while_it_is_opened_opens_again(start):
     bus = start(new_lab())
     began = time.monotonic()

@@ -28,10 +28,11 @@ constexpr std::array<Named, 9> named{{{DC1394_FEATURE_BRIGHTNESS, "brightness", 
                                       {DC1394_FEATURE_SHUTTER, "shutter", "s"},
                                       {DC1394_FEATURE_GAIN, "gain", "dB"}}};
 
+// Not available, too, if the camera does not answer: many know some registers alone.
 dc1394feature_info_t info_of(dc1394camera_t* camera, dc1394feature_t feature) {
   dc1394feature_info_t info{};
   info.id = feature;
-  check(dc1394_feature_get(camera, &info), "ask the camera for its features");
+  if (dc1394_feature_get(camera, &info) != DC1394_SUCCESS) info.available = DC1394_FALSE;
   return info;
 }
 
@@ -110,6 +111,8 @@ void set_features(dc1394camera_t* camera, const std::vector<FeatureWish>& wishes
 }
 
 std::vector<FeatureState> features_of(dc1394camera_t* camera) {
+  dc1394switch_t sends = DC1394_OFF;
+  check(dc1394_video_get_transmission(camera, &sends), "ask the camera for its features");
   std::vector<FeatureState> found;
   for (const Named& one : named) {
     const dc1394feature_info_t info = info_of(camera, one.feature);

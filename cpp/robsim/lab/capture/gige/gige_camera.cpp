@@ -89,9 +89,18 @@ struct GivenBack {
 };
 using Lent = std::unique_ptr<ArvBuffer, GivenBack>;
 
+// Aravis calls a frame complete that has fewer bytes than its size needs.
 bool is_complete(ArvBuffer* buffer) {
-  return arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS &&
-         arv_buffer_get_payload_type(buffer) == ARV_BUFFER_PAYLOAD_TYPE_IMAGE;
+  if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS ||
+      arv_buffer_get_payload_type(buffer) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE) {
+    return false;
+  }
+  const PixelFormat* const format = pixel_format_of(arv_buffer_get_image_pixel_format(buffer));
+  std::size_t bytes = 0;
+  arv_buffer_get_data(buffer, &bytes);
+  const double width = arv_buffer_get_image_width(buffer);  // may be any number
+  const double bits = format ? width * arv_buffer_get_image_height(buffer) * format->bits : 0;
+  return 8.0 * static_cast<double>(bytes) >= bits;
 }
 
 }  // namespace
