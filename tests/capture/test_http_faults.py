@@ -1,7 +1,10 @@
 """What an HTTP camera can do wrong, and what a reader gets then: words, and never a torn image."""
 
+import base64
+import hashlib
 import socket
 import threading
+from urllib import request
 
 import numpy as np
 import pytest
@@ -11,7 +14,6 @@ import robsim
 from mjpeg_server import MjpegServer, jpeg
 from posed_frames import AREA, difference
 from python_devices import PATIENT, read_on
-from robsim import _core
 from robsim.lab import (
     CaptureError,
     FrameTimeoutError,
@@ -19,6 +21,8 @@ from robsim.lab import (
     NoPermissionError,
     UnpluggedError,
 )
+from robsim.lab.cameras._devices import process
+from robsim.lab.cameras._devices.http import Parts
 from waiting import wait_for
 
 pytestmark = [pytest.mark.threads, pytest.mark.long]
@@ -48,7 +52,10 @@ def opened(server, **options):
     [
         ("404 Not Found", NoCameraError, "404 Not Found"),
         ("401 Unauthorized", NoPermissionError, "401"),
-        ("302 Found\r\nLocation: /other", NoCameraError, "302 Found /other"),
+        ("401 No\r\nWWW-Authenticate: Negotiate", NoCameraError, "Negotiate"),
+        ("302 Found\r\nLocation: /other", NoCameraError, "loop"),
+        ("302 Found\r\nLocation: file:///etc/hostname", NoCameraError, "file:///etc/hostname"),
+        ("302 Found\r\nLocation: ftp://127.0.0.1/a", NoCameraError, "ftp"),
         ("200 OK\r\nContent-Type: text/html", CaptureError, "text/html"),
         ("200 OK\r\nContent-Type: multipart/x-mixed-replace", CaptureError, "no MJPEG stream"),
         (None, NoCameraError, "no answer of HTTP"),
@@ -122,12 +129,111 @@ def test_it_is_opened_again_if_that_is_asked_for():
     assert len(server.requests) >= 2
 
 
-def test_user_and_password():
-    with MjpegServer(images) as server:
-        url = server.url.replace("http://", "http://me:p%40ss@")
-        with robsim.Camera(url, **PATIENT) as camera:
-            camera.read()
-    assert server.requests[0]["Authorization"] == "Basic bWU6cEBzcw=="
+def redirect(url):
+    return f"HTTP/1.0 302 Found\r\nLocation: {url}\r\nContent-Length: 0\r\n\r\n".encode()
+
+
+CHALLENGES = {
+    "Basic": 'Basic realm="camera"',
+    "Digest": 'Digest realm="camera", nonce="abc", qop="auth"',
+    "Digest of RFC 2069": 'Digest realm="camera", nonce="abc"',
+}
+
+
+def unauthorized(challenge):
+    head = f"HTTP/1.0 401 Unauthorized\r\nWWW-Authenticate: {challenge}"
+    return f"{head}\r\nContent-Length: 0\r\n\r\n".encode()
+
+
+def digest(*parts):
+    return hashlib.md5(":".join(parts).encode()).hexdigest()
+
+
+def is_login(said, path):
+    """Whether a header has the login of user me with password p@ss."""
+    if said.startswith("Basic "):
+        return base64.b64decode(said[6:]) == b"me:p@ss"
+    told = request.parse_keqv_list(request.parse_http_list(said.removeprefix("Digest ")))
+    ends = digest("me", "camera", "p@ss"), digest("GET", path)
+    between = [told[name] for name in ("nonce", "nc", "cnonce", "qop") if name in told]
+    return told["response"] == digest(ends[0], *between, ends[1])
+
+
+def with_login(server):
+    return server.url.replace("http://", "http://me:p%40ss@")
+
+
+@pytest.mark.parametrize("challenge", CHALLENGES)
+def test_user_and_password_are_sent_where_they_are_asked_for(challenge):
+    def answer(path, headers):
+        said = headers["Authorization"]
+        return None if said and is_login(said, path) else unauthorized(CHALLENGES[challenge])
+
+    with (
+        MjpegServer(images, answer=answer) as server,
+        robsim.Camera(with_login(server), **PATIENT) as camera,
+    ):
+        camera.read()
+    assert [headers["Authorization"] is not None for headers in server.requests] == [False, True]
+
+
+def test_a_wrong_password_ends_soon():
+    asks = unauthorized(CHALLENGES["Digest"])
+    with MjpegServer(answer=asks) as server, pytest.raises(NoPermissionError) as error:
+        robsim.Camera(with_login(server), **PATIENT)
+    assert "p@ss" not in str(error.value)
+
+
+def test_a_redirect_is_followed_and_its_text_is_not_read():
+    def answer(path, headers):
+        if path == "/moved":
+            return None
+        return redirect("/moved").replace(b"Content-Length: 0", b"Transfer-Encoding: chunked")
+
+    with MjpegServer(images, answer=answer) as server, opened(server) as camera:
+        assert camera.read().index >= 0
+
+
+def test_no_other_host_gets_the_password():
+    with MjpegServer(answer=unauthorized(CHALLENGES["Basic"])) as other:
+        answer = redirect(other.url)
+        with MjpegServer(answer=answer) as server, pytest.raises(NoPermissionError):
+            robsim.Camera(with_login(server), **PATIENT)
+        assert other.requests
+        assert not any(headers["Authorization"] for headers in other.requests)
+
+
+@pytest.mark.parametrize("kind", ["application/octet-stream", "multipart/x-mixed-replace"])
+def test_a_boundary_that_only_the_stream_tells(kind):
+    body = b"".join(b"--b\r\n\r\n" + image + b"\r\n" for image in images())
+    answer = f"HTTP/1.0 200 OK\r\nContent-Type: {kind}\r\n\r\n".encode() + b"\r\n" + body
+    with MjpegServer(answer=answer) as server, opened(server) as camera:
+        assert read_on(camera)[0][-1].index == 3
+        assert camera.counts.torn == 0
+
+
+def test_a_single_image_is_told():
+    answer = b"HTTP/1.0 200 OK\r\nContent-Type: image/jpeg\r\n\r\n" + images()[0]
+    with (
+        MjpegServer(answer=answer) as server,
+        pytest.raises(CaptureError, match="a single image"),
+    ):
+        opened(server)
+
+
+def test_it_is_read_in_this_process_where_there_can_be_no_other(monkeypatch):
+    monkeypatch.setattr(process, "is_possible", lambda: False)
+    before = threading.active_count()
+
+    def parts():
+        yield images()[0]
+        yield server.released.wait
+
+    with MjpegServer(parts) as server:
+        with opened(server) as camera:
+            assert difference(camera.read(), 0)[0] < 0.3
+            assert threading.active_count() > before + 1
+        wait_for(lambda: threading.active_count() <= before + 2)  # the others are the server's
 
 
 def test_a_size_that_changes_is_an_error():
@@ -185,47 +291,34 @@ def test_a_length_that_is_too_long_costs_that_image_and_no_more():
         assert camera.counts.torn == 1
 
 
-def stream_of(reader, is_chunked=False):
-    return _core.ImageStream(
-        reader.fileno(), boundary=b"frame", begun=b"", is_chunked=is_chunked, name="it"
-    )
+def commented(image):
+    """Return it with a comment that looks like the next part."""
+    comment = b"\r\n--frame\r\nContent-Type: image/jpeg\r\n\r\n\xff\xd9"
+    return image[:2] + b"\xff\xfe" + (2 + len(comment)).to_bytes(2, "big") + comment + image[2:]
 
 
-def in_chunks(data, rng):
-    """Return data in chunks of HTTP."""
-    pieces = []
-    while data:
-        n = int(rng.integers(1, 3000))
-        pieces.append(b"%X\r\n%s\r\n" % (len(data[:n]), data[:n]))
-        data = data[n:]
-    return b"".join(pieces)
-
-
-@pytest.mark.parametrize("is_chunked", [False, True])
-def test_images_are_the_same_however_they_come(rng, is_chunked):
-    for _ in range(8):
+def test_images_are_the_same_however_they_come(rng):
+    for _ in range(16):
         bodies = [images()[int(k)] for k in rng.integers(0, 4, 6)]
+        bodies = [commented(body) if rng.random() < 0.3 else body for body in bodies]
         data = b""
         for body in bodies:
             end = ("\r\n", "\n")[int(rng.integers(2))]
             length = f"Content-Length: {len(body)}{end}" if rng.random() < 0.5 else ""
             head = f"--frame{end}{length}Content-Type: image/jpeg{end}{end}"
             data += head.encode() + body + (end.encode() if rng.random() < 0.8 else b"")
-        if is_chunked:
-            data = in_chunks(data, rng)
-        found = []
-        camera, reader = socket.socketpair()
-        with camera, reader:
-            stream = stream_of(reader, is_chunked)
-            for start in range(0, len(data), step := int(rng.integers(3, 90)) ** 2):
-                camera.sendall(data[start : start + step])
-            camera.close()
-            while sum(bool(jpeg) + n_passed for jpeg, _, n_passed, _ in found) < len(bodies):
-                found.append(stream.take(300))
-            with pytest.raises(UnpluggedError):
-                stream.take(300)
-        assert found[-1][0] == bodies[-1]
-        assert not any(n_torn for *_, n_torn in found)
+        parts, step = Parts(b"--frame"), int(rng.integers(3, 90)) ** 2
+        pieces = (data[start : start + step] for start in range(0, len(data), step))
+        found = [body for piece in pieces for body in parts.feed(piece)]
+        assert [body.rstrip(b"\r\n") for body in found] == bodies
+
+
+def test_what_has_no_end_does_not_fill_the_memory():
+    for head in (b"", b"--frame\r\n", b"--frame\r\n\r\n"):
+        parts, piece = Parts(b"frame"), bytes(1 << 24)
+        bodies = [len(body) for data in (head, *[piece] * 12) for body in parts.feed(data)]
+        assert sum(bodies) + len(parts._data) < 1 << 28
+        assert len(parts._data) < 1 << 27
 
 
 def test_a_camera_that_answers_in_chunks():

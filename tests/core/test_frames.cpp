@@ -127,9 +127,9 @@ class PixelStreamTest : public testing::Test {
   }
 
   void send(PixelStream::Kind kind, std::uint32_t width, std::uint32_t height,
-            const std::string& body, double arrived = 0) {
-    const PixelStream::Head head{kind, width, height, static_cast<std::uint32_t>(body.size()),
-                                 arrived};
+            const std::string& body, double arrived = 0, double exposed = std::nan("")) {
+    const auto length = static_cast<std::uint32_t>(body.size());
+    const PixelStream::Head head{kind, width, height, length, 3, 2, arrived, exposed};
     write(&head, sizeof head);
     write(body.data(), body.size());
   }
@@ -166,23 +166,26 @@ std::vector<int> pixels_of(const Captured& captured) {
   return {row, row + 3 * captured.image.width()};
 }
 
-TEST_F(PixelStreamTest, FramesComeWithTheirTimesInEitherOrderOfColours) {
+TEST_F(PixelStreamTest, FramesComeWithTheirTimesAndWithWhatTheyPassed) {
   send(PixelStream::opened, 0, 0, "");
-  send(PixelStream::rgb, 2, 1, "abcdef", 1.5);
-  send(PixelStream::bgr, 2, 1, "abcdef", 2.5);
+  send(PixelStream::bgr, 2, 1, "abcdef", 1.5);
+  send(PixelStream::bgr, 2, 1, "abcdef", 2.5, 2.25);
   EXPECT_FALSE(next());
-  const auto rgb = next();
-  ASSERT_TRUE(rgb);
-  EXPECT_EQ(pixels_of(*rgb), (std::vector<int>{'a', 'b', 'c', 'd', 'e', 'f'}));
-  EXPECT_EQ(rgb->arrived, 1.5);
-  const auto bgr = next();
-  ASSERT_TRUE(bgr);
-  EXPECT_EQ(pixels_of(*bgr), (std::vector<int>{'c', 'b', 'a', 'f', 'e', 'd'}));
-  EXPECT_EQ(bgr->arrived, 2.5);
+  const auto first = next();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(pixels_of(*first), (std::vector<int>{'c', 'b', 'a', 'f', 'e', 'd'}));
+  EXPECT_EQ(first->arrived, 1.5);
+  EXPECT_FALSE(first->exposed);
+  EXPECT_EQ(first->passed, 3);
+  EXPECT_EQ(first->torn, 2);
+  const auto second = next();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->arrived, 2.5);
+  EXPECT_EQ(second->exposed, 2.25);
 }
 
 TEST_F(PixelStreamTest, AFrameMayComeInPieces) {
-  const PixelStream::Head head{PixelStream::rgb, 1, 1, 3, 0};
+  const PixelStream::Head head{PixelStream::bgr, 1, 1, 3, 0, 0, 0, 0};
   const auto* const bytes = reinterpret_cast<const char*>(&head);
   write(bytes, 5);
   EXPECT_FALSE(next());
@@ -192,11 +195,11 @@ TEST_F(PixelStreamTest, AFrameMayComeInPieces) {
   write("c", 1);
   const auto frame = next();
   ASSERT_TRUE(frame);
-  EXPECT_EQ(pixels_of(*frame), (std::vector<int>{'a', 'b', 'c'}));
+  EXPECT_EQ(pixels_of(*frame), (std::vector<int>{'c', 'b', 'a'}));
 }
 
 TEST_F(PixelStreamTest, ATornFrameHasNoPixels) {
-  send(PixelStream::torn, 0, 0, "");
+  send(PixelStream::nothing, 0, 0, "");
   const auto frame = next();
   ASSERT_TRUE(frame);
   EXPECT_FALSE(frame->is_complete);
@@ -206,7 +209,7 @@ TEST_F(PixelStreamTest, AFaultIsToldByItsName) {
   send(PixelStream::fault, 0, 0, "time_out\nnothing has come");
   EXPECT_EQ(fault(), CaptureFault::time_out);
   EXPECT_EQ(text_, "nothing has come");
-  send(PixelStream::rgb, 1, 1, "abc");  // which may be tried again
+  send(PixelStream::bgr, 1, 1, "abc");  // which may be tried again
   EXPECT_TRUE(next());
 }
 
@@ -217,9 +220,9 @@ TEST_F(PixelStreamTest, TheEndOfTheOtherProcessIsThatOfTheCamera) {
 }
 
 TEST_F(PixelStreamTest, WhatDoesNotFitIsRefused) {
-  send(PixelStream::rgb, 2, 2, "abc");
+  send(PixelStream::bgr, 2, 2, "abc");
   EXPECT_EQ(fault(), CaptureFault::failed);
-  const PixelStream::Head head{PixelStream::rgb, 1, 1, 0xffffffff, 0};
+  const PixelStream::Head head{PixelStream::bgr, 1, 1, 0xffffffff, 0, 0, 0, 0};
   write(&head, sizeof head);
   EXPECT_EQ(fault(), CaptureFault::failed);
   EXPECT_NE(text_.find("too large"), std::string::npos);

@@ -20,7 +20,8 @@ class MjpegServer:
 
     `parts` is an iterable of what is sent: bytes = an image; (image, length) = one whose
     Content-Length is said to be so, None = not said; a callable is called (a wait, a test's event).
-    `answer` is what is sent in place of all that, if anything; `mute`: nothing is sent at all.
+    `answer` are bytes that are sent instead, or a function of the path and the headers that
+    returns them, or None for the parts; `mute`: nothing is sent at all.
     """
 
     def __init__(self, parts=(), *, answer=None, is_mute=False):
@@ -38,10 +39,12 @@ class MjpegServer:
                 with contextlib.suppress(OSError):  # the reader may go at any time
                     if is_mute:
                         outer.released.wait(300)
-                    elif answer is not None:
-                        self.wfile.write(answer)
-                    else:
+                        return
+                    said = answer(self.path, self.headers) if callable(answer) else answer
+                    if said is None:
                         outer.serve(self)
+                    else:
+                        self.wfile.write(said)
 
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
         self._server.daemon_threads = True

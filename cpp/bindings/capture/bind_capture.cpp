@@ -9,7 +9,7 @@
 #include "python/signature.hpp"
 #include "robsim/base/system.hpp"
 #include "robsim/lab/capture/grabber.hpp"
-#include "robsim/lab/capture/image_stream.hpp"
+#include "robsim/lab/capture/whole_jpeg.hpp"
 
 using namespace robsim;
 using namespace robsim::bindings;
@@ -54,28 +54,6 @@ std::array<std::int64_t, 6> counts_of(const Grabber& grabber) {
   const CaptureCounts counts = grabber.counts();
   return {counts.grabbed, counts.delivered, counts.dropped,
           counts.torn,    counts.timeouts,  counts.reopened};
-}
-
-void bind_image_stream(py::module_& module) {
-  Class<ImageStream>(public_in(module, "robsim._core"), "ImageStream",
-                     "The thread that reads JPEG images from a socket, and keeps the newest.")
-      .def(py::init([](int descriptor, const py::bytes& boundary, const py::bytes& begun,
-                       bool is_chunked, const std::string& name) {
-             return std::make_unique<ImageStream>(descriptor, std::string_view(boundary),
-                                                  std::string_view(begun), is_chunked, name);
-           }),
-           "descriptor"_a, py::kw_only(), "boundary"_a, "begun"_a, "is_chunked"_a, "name"_a)
-      .def(
-          "take",
-          [](ImageStream& self, double timeout) -> py::object {
-            const auto taken = natively([&] { return self.take(timeout); });
-            if (!taken) return py::none();
-            return py::make_tuple(py::bytes(taken->jpeg), taken->arrived, taken->passed,
-                                  taken->torn);
-          },
-          "timeout"_a,
-          "Return (JPEG, when it arrived, images passed over, torn ones) since the last call; None "
-          "if nothing came. The JPEG is empty if none was whole.");
 }
 
 }  // namespace
@@ -135,7 +113,6 @@ bgr : bool
           "close", [](Grabber& self, double patience) { self.close(patience); }, "patience"_a = 1.0,
           py::call_guard<WithoutInterpreter>(),
           "End the thread; leave it behind if it hangs for `patience` s.");
-  bind_image_stream(module);
   public_in(module, "robsim._core")
       .def(
           "is_whole_jpeg",

@@ -82,7 +82,10 @@ std::optional<Captured> PixelStream::next(ImagePool& pool) {
 Captured PixelStream::captured(ImagePool& pool) const {
   Captured captured;
   captured.arrived = head_.arrived;
-  captured.is_complete = head_.kind != torn;
+  if (!std::isnan(head_.exposed)) captured.exposed = head_.exposed;
+  captured.passed = head_.passed;
+  captured.torn = head_.torn;
+  captured.is_complete = head_.kind == bgr;
   if (!captured.is_complete) return captured;
   const std::uint64_t expected = std::uint64_t{3} * head_.width * head_.height;
   if (expected == 0 || expected != head_.length) {
@@ -91,7 +94,7 @@ Captured PixelStream::captured(ImagePool& pool) const {
   const auto width = static_cast<int>(head_.width), height = static_cast<int>(head_.height);
   const ImageView view{body_.data(), width, height, std::ptrdiff_t{3} * width};
   captured.image = pool.take(width, height);
-  (head_.kind == bgr ? copy_bgr : copy)(view, captured.image.writable_view());
+  copy_bgr(view, captured.image.writable_view());
   return captured;
 }
 

@@ -13,14 +13,16 @@ namespace robsim {
 /// Reads frames that another process writes to a socket, for one thread.
 class PixelStream {
  public:
-  /// What stands before the pixels, as capture/_devices/worker.py writes it.
+  /// The head of a frame, as _devices/worker.py writes it.
   struct Head {
     std::uint32_t kind;  // of Kind
     std::uint32_t width, height;
-    std::uint32_t length;  // of what follows, bytes
-    double arrived;        // monotonic, s
+    std::uint32_t length;        // of what follows, bytes
+    std::uint32_t passed, torn;  // earlier images
+    double arrived;              // monotonic, s
+    double exposed;              // the same; NaN: unknown
   };
-  enum Kind : std::uint32_t { opened, rgb, bgr, torn, fault };
+  enum Kind : std::uint32_t { opened, bgr, nothing, fault };
 
   /// Takes a copy of the descriptor. `name` begins what errors say. Throws CaptureError.
   PixelStream(int descriptor, std::string name);

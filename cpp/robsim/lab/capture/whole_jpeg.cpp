@@ -1,4 +1,4 @@
-#include "robsim/lab/capture/image_stream.hpp"
+#include "robsim/lab/capture/whole_jpeg.hpp"
 
 #include <algorithm>
 #include <array>

@@ -43,7 +43,7 @@ class CameraCounts:
     delivered : int
         Those that a reader took.
     dropped : int
-        Those that a newer one replaced before a reader took them.
+        Frames that a newer one replaced before a reader took them, and old ones of a stream.
     torn : int
         Torn or short ones, which no reader gets.
     timeouts : int
@@ -78,10 +78,11 @@ class Camera(Closing):
         16 digits stand for a certain one); a video file or a folder of images; or an object of
         robsim that is a camera.
     back_end : str, optional
-        What reads it. An address: ``"http"``, which reads MJPEG and tells torn images from whole
-        ones, or ``"ffmpeg"`` or ``"gstreamer"`` of OpenCV. A number: ``"v4l2"``, ``"msmf"``,
-        ``"dshow"``, ``"avfoundation"`` or ``"gstreamer"``. Default: HTTP for ``http://``, FFmpeg
-        for other addresses, and for a number that of the operating system.
+        The reader. Of an address: ``"http"``, which reads MJPEG, tells torn images from whole ones,
+        and logs in by ``http://user:password@host`` where the camera requires it; or ``"ffmpeg"``
+        or ``"gstreamer"`` of OpenCV. Of a number: ``"v4l2"``, ``"msmf"``, ``"dshow"``,
+        ``"avfoundation"`` or ``"gstreamer"``. Default: HTTP for ``http://``, FFmpeg for other
+        addresses, and for a number the one of the operating system.
     plane_map : PlaneMap, optional
         Map from frame pixels to the work area. Default: the frames show exactly the whole area,
         seen vertically from above.
@@ -158,8 +159,13 @@ class Camera(Closing):
     -----
     The times of the frames (s) start at the first one: ``t`` is that of the exposure, as far as the
     camera lets it be known, ``t_arrival`` that of the arrival. A camera belongs to the process that
-    opened it. OpenCV reads in a process of its own, which ends with the camera: so a callback that
-    keeps the interpreter sees fresh frames all the same. On Windows it reads in this one.
+    opened it. A separate process reads network cameras and cameras by number, and ends with the
+    camera: so a callback that keeps the interpreter sees fresh frames all the same. On Windows it
+    is this process.
+
+    Frames of RTSP carry stamps. A frame that waited 0.1 s longer on its way than the freshest of
+    the last 10 s is old: it is dropped, and counted. The camera's encoder may delay all frames by
+    the same time, which no stamp tells.
 
     Examples
     --------

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -20,11 +22,15 @@ from robsim.lab.cameras._devices.opencv import (
     OF_INDICES,
     OpenCvCamera,
     back_end_of_system,
+    is_rtsp,
 )
 from robsim.lab.cameras._devices.playback import Playback
 from robsim.lab.cameras.wishes import Wishes
 
 _SAME_RATE = 0.01  # of the rate that was asked for
+_FFMPEG_OPTIONS = "OPENCV_FFMPEG_CAPTURE_OPTIONS"
+# Without sound: its packets alone would end the probe.
+_SMALL_PROBE = "rtsp_transport;tcp|allowed_media_types;video|probesize;32"
 
 
 @dataclass
@@ -63,6 +69,7 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
         index = check_int("source", source, minimum=0, maximum=99)
         chosen = _choice(back_end, OF_INDICES) or back_end_of_system()
         camera = OpenCvCamera(index, chosen, size=wishes.size, fps=wishes.fps)
+        camera.check()
         return Source(camera.name, _device(camera), dt=dt)
     if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
         return _address(source, back_end, dt, open_timeout)
@@ -140,17 +147,29 @@ def _address(url: str, back_end: str | None, dt: float | None, open_timeout: flo
         from robsim.lab.cameras._devices.http import HttpCamera  # what it needs costs milliseconds
 
         http = HttpCamera(url, open_timeout)
-        return Source(http.name, PythonCamera(http), dt=dt)
+        return Source(http.name, _device(http), dt=dt)
     stream = OpenCvCamera(url, chosen, open_timeout=open_timeout)
-    return Source(stream.name, _device(stream), dt=dt)
+    environment = _small_probe() if is_rtsp(url) and chosen == "ffmpeg" else {}
+    return Source(stream.name, _device(stream, environment), dt=dt)
 
 
-def _device(camera: OpenCvCamera) -> CaptureDevice:
-    from robsim.lab.cameras._devices.opencv_process import OpenCvHere, OpenCvProcess, is_possible
+def _small_probe() -> dict[str, str]:
+    """Return what keeps FFmpeg from reading a second of frames before it gives the first."""
+    if _FFMPEG_OPTIONS in os.environ:
+        warn_user(
+            f"{_FFMPEG_OPTIONS} is set, so robsim does not choose {_SMALL_PROBE!r}: without "
+            "these options the first frame comes up to a second later"
+        )
+        return {}
+    return {_FFMPEG_OPTIONS: _SMALL_PROBE}
+
+
+def _device(camera: Any, environment: Mapping[str, str] = MappingProxyType({})) -> CaptureDevice:
+    from robsim.lab.cameras._devices.process import CameraHere, CameraProcess, is_possible
 
     if is_possible():
-        return StreamedCamera(OpenCvProcess(camera))
-    return PythonCamera(OpenCvHere(camera), bgr=True)
+        return StreamedCamera(CameraProcess(camera, environment))
+    return PythonCamera(CameraHere(camera), bgr=True)
 
 
 def _choice(back_end: str | None, choices: tuple[str, ...]) -> str | None:

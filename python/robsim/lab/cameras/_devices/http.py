@@ -2,148 +2,261 @@
 
 from __future__ import annotations
 
-import base64
-import io
+import contextlib
+import re
 import socket
+import threading
 import time
-from email.message import Message
-from http.client import HTTPException, parse_headers
+from collections.abc import Iterable, Iterator
+from http.client import HTTPException, HTTPResponse
 from typing import Any
-from urllib.parse import unquote, urlsplit
+from urllib import request
+from urllib.error import HTTPError
+from urllib.parse import quote, unquote, urlsplit
 
-import numpy as np
-from PIL import Image
-
-from robsim._core import ImageStream, is_whole_jpeg
+from robsim._core import is_whole_jpeg
 from robsim.base.text import cut, one_line
-from robsim.lab.cameras.errors import CaptureError, NoCameraError, NoPermissionError, unreached
-from robsim.vision.imaging.images import MOST_PIXELS
-
-
-def decoded(data: bytes) -> Any:
-    """Return the pixels of a JPEG image, array (H, W, 3); None if it is torn or none.
-
-    Decoders fill up what is missing: Pillow if there is an end marker, FFmpeg and OpenCV always.
-    """
-    if not is_whole_jpeg(data):
-        return None
-    try:
-        with Image.open(io.BytesIO(data), formats=("JPEG",)) as image:
-            if image.width * image.height > MOST_PIXELS:
-                return None
-            return np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
-    except (OSError, ValueError, SyntaxError):
-        return None
-
+from robsim.lab.cameras._devices.jpeg import pixels
+from robsim.lab.cameras.errors import (
+    CaptureError,
+    NoCameraError,
+    NoPermissionError,
+    UnpluggedError,
+    unreached,
+)
 
 _WAIT = 0.1  # s in one call
-_AT_ONCE = 1 << 18  # bytes
-_LONGEST_HEAD = 1 << 16  # bytes
+# bytes:
+_AT_ONCE = 1 << 18
+_LONGEST_LINE = 1 << 10
+_LONGEST_HEAD = 1 << 16
+_LONGEST_PART = 1 << 26
+# Some cameras send no carriage returns.
+_BLANK_LINE = re.compile(rb"\n\r*\n")
+_LENGTH = re.compile(rb"\ncontent-length:[ \t]*(\d{1,8})(?!\d)", re.IGNORECASE)
+_IMAGE, _SCAN = 0xD8, 0xDA
+_END_OF_IMAGE = b"\xff\xd9"
+
+
+class Parts:
+    """Cuts a multipart stream, in any pieces, into the bodies of its parts.
+
+    A part ends at its Content-Length, or at an earlier boundary: then it was cut short. Without a
+    length it ends with the end marker of JPEG, as the next boundary comes with the next image.
+    """
+
+    def __init__(self, boundary: bytes) -> None:
+        # With the end of its line: a short one alone may stand in an image by chance.
+        self._boundary = re.compile(rb"--" + re.escape(boundary.lstrip(b"-")) + rb"[ \t]*\r?\n")
+        self._data = bytearray()
+        self._is_in_body = False
+        self._length: int | None = None
+        self._scan = self._searched = 0  # where the first one begins; bytes without a boundary
+
+    def feed(self, piece: bytes) -> Iterator[bytes]:
+        """Yield the bodies that a piece completes."""
+        self._data += piece
+        while self._is_in_body or self._skip_head():
+            end = self._end_of_body()
+            if end is None:
+                return
+            yield bytes(self._data[:end])
+            del self._data[:end]
+            self._is_in_body = False
+
+    def _skip_head(self) -> bool:
+        data = self._data
+        begin = self._boundary.search(data)
+        end = begin and _BLANK_LINE.search(data, begin.end() - 1)
+        if begin is None:
+            del data[:-_LONGEST_LINE]
+        elif end is None and len(data) - begin.start() > _LONGEST_HEAD:
+            del data[: begin.end()]
+        if begin is None or end is None:
+            return False
+        length = _LENGTH.search(data, begin.end() - 1, end.end())
+        self._length = int(length[1]) if length else None
+        del data[: end.end()]
+        self._is_in_body = True
+        self._scan = self._searched = 0
+        return True
+
+    def _end_of_body(self) -> int | None:
+        data, length = self._data, self._length
+        # Texts and thumbnails before the first scan may hold boundaries and ends of images.
+        while len(data) >= self._scan + 4 and data[self._scan] == 0xFF != data[self._scan + 1]:
+            kind = data[self._scan + 1]
+            if kind == _SCAN:
+                break
+            size = int.from_bytes(data[self._scan + 2 : self._scan + 4], "big")
+            self._scan += 2 if kind == _IMAGE else 2 + size
+        boundary = self._boundary.search(data, max(self._scan, self._searched))
+        if boundary and (length is None or boundary.start() < length):
+            return boundary.start()
+        self._searched = max(0, len(data) - _LONGEST_LINE)
+        if length is not None and len(data) >= length:
+            return length
+        tail = bytes(data[-_LONGEST_LINE:])
+        end = len(data) - len(tail) + len(tail.rstrip(b"\r\n"))
+        if length is None and end > self._scan and data.endswith(_END_OF_IMAGE, 0, end):
+            return end
+        return len(data) if len(data) > _LONGEST_PART else None
+
+
+class _Answers(request.HTTPErrorProcessor):
+    """Leaves out the text of an error or a redirect, which may be endless."""
+
+    def http_response(self, request: request.Request, response: HTTPResponse) -> HTTPResponse:
+        if response.status != 200:
+            response.length, response.chunked = 0, False
+        answer: HTTPResponse = super().http_response(request, response)
+        return answer
+
+    https_response = http_response
 
 
 class HttpCamera:
-    """The camera in Python of an address. It needs no OpenCV; the interpreter decodes alone.
+    """The camera in Python of an address, opened once; its images are BGR.
 
-    The url is ``http://host:port/path``; ``http://user:password@host`` logs in. The answer comes
-    within `open_timeout` (s).
+    The url is ``http://host:port/path``; ``http://user:password@host`` logs in where that is asked
+    for, and nowhere else. A thread reads the stream and keeps its newest whole image.
     """
 
     def __init__(self, url: str, open_timeout: float) -> None:
+        self.options = {"url": url, "open_timeout": open_timeout}
+        self.open_timeout = open_timeout
         parts = urlsplit(url)
         try:
-            self._port = parts.port or 80
+            host, _ = parts.hostname, parts.port
         except ValueError as error:
             raise ValueError(f"source must be an address, got {one_line(url)}: {error}") from None
-        if not parts.hostname:
+        if not host:
             raise ValueError(f"source must be an address with a host, got {one_line(url)}")
-        self._host = parts.hostname
-        self._path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
-        self._login = None
+        self._host = f"http://{parts.netloc.rpartition('@')[2]}"
+        query = f"?{parts.query}" if parts.query else ""
+        self._url = self._host + quote((parts.path or "/") + query, "/?%:=&~+!$,;'@()*[]")
+        self.name = one_line(self._url)
+        self._passwords = request.HTTPPasswordMgrWithDefaultRealm()
         if parts.username is not None:
-            login = f"{unquote(parts.username)}:{unquote(parts.password or '')}"
-            self._login = base64.b64encode(login.encode()).decode()
-        host = f"[{self._host}]" if ":" in self._host else self._host
-        self._authority = f"{host}:{self._port}"
-        self.name = f"http://{self._authority}{one_line(self._path)}"
-        self._open_timeout = open_timeout
-        self._stream: ImageStream | None = None
+            user, password = unquote(parts.username), unquote(parts.password or "")
+            self._passwords.add_password(None, f"{self._host}/", user, password)
+        self._changed = threading.Condition()  # guards what follows
+        self._response: HTTPResponse | None = None
+        self._end: CaptureError | None = None
+        self._newest: tuple[bytes, float] | None = None  # image, when it arrived
+        self._n_passed = self._n_torn = 0
 
     def open(self) -> None:
         """Ask for the stream."""
-        self.close()
-        end = time.monotonic() + self._open_timeout
+        threading.Thread(target=self._run, daemon=True).start()
+        with self._changed:
+            self._changed.wait_for(lambda: self._response or self._end, self.open_timeout)
+            if self._response is None:
+                raise self._end or unreached(self.name, self.open_timeout, TimeoutError())
+
+    def _run(self) -> None:
         try:
-            with socket.create_connection((self._host, self._port), self._open_timeout) as line:
-                line.sendall(self._request())
-                head, begun = self._head(line, end)
-                boundary, is_chunked = self._form(head)
-                self._stream = ImageStream(
-                    line.fileno(),
-                    boundary=boundary,
-                    begun=begun,
-                    is_chunked=is_chunked,
-                    name=self.name,
-                )
-        except CaptureError:
-            raise
+            with self._asked() as response:
+                parts, piece = self._begun(response)
+                with self._changed:
+                    self._response = response
+                    self._changed.notify()
+                while self._end is None and (piece := piece or response.read1(_AT_ONCE)):
+                    self._keep(parts.feed(piece), time.monotonic())
+                    piece = b""
+            end: CaptureError = UnpluggedError(
+                f"{self.name} has ended the stream: is the camera off, or is another reader "
+                "connected?"
+            )
+        except CaptureError as error:
+            end = error
+        except Exception as error:
+            end = UnpluggedError(f"{self.name} broke off: {cut(error)}")
+        with self._changed:
+            self._end = end
+            self._changed.notify()
+
+    def _asked(self) -> HTTPResponse:
+        """Return the answer, of HTTP alone and of no proxy."""
+        opener = request.OpenerDirector()
+        for handler in (
+            *(request.HTTPHandler(), request.HTTPSHandler(), request.UnknownHandler()),
+            *(request.HTTPRedirectHandler(), request.HTTPDefaultErrorHandler(), _Answers()),
+            request.HTTPDigestAuthHandler(self._passwords),
+            request.HTTPBasicAuthHandler(self._passwords),
+        ):
+            opener.add_handler(handler)
+        try:
+            response: HTTPResponse = opener.open(self._url)
+            return response
+        except HTTPError as error:
+            if error.code in (401, 403):
+                raise NoPermissionError(
+                    f"{self.name} answers {error.code}: give user and password in the address, as "
+                    "http://user:password@host/path; no other host gets them"
+                ) from None
+            said = cut(f"{error.code} {error.reason} {error.headers.get('Location', '')}".strip())
+            raise NoCameraError(f"{self.name} answers {said}: is the path right?") from None
+        except (HTTPException, ValueError) as error:
+            raise NoCameraError(
+                f"{self.name} gives no answer of HTTP that is known ({cut(error)}): is it a camera?"
+            ) from None
         except OSError as error:
-            raise unreached(self.name, self._open_timeout, error) from error
+            reason = getattr(error, "reason", error)
+            raise unreached(self.name, self.open_timeout, reason) from None
 
-    def _request(self) -> bytes:
-        lines = [f"GET {self._path} HTTP/1.0", f"Host: {self._authority}"]
-        if self._login is not None:
-            lines.append(f"Authorization: Basic {self._login}")
-        return "\r\n".join([*lines, "", ""]).encode("ascii", "replace")
+    def _begun(self, response: HTTPResponse) -> tuple[Parts, bytes]:
+        """Return the parser of the parts, and their first bytes."""
+        kind, boundary = response.headers.get_content_type(), response.headers.get_param("boundary")
+        if kind.startswith("multipart/") and isinstance(boundary, str):
+            response.length = None  # some cameras tell one
+            return Parts(boundary.strip('" ').encode("latin-1", "replace")), b""
+        begun = b""
+        while b"\n" not in begun.lstrip() and len(begun) < _LONGEST_LINE:
+            if not (piece := response.read1(_AT_ONCE)):
+                break
+            begun += piece
+        line, _, rest = begun.lstrip().partition(b"\n")
+        if line.startswith(b"--") and rest:
+            return Parts(line.rstrip()), begun
+        what = "a single image" if begun.startswith(b"\xff\xd8") else cut(kind)
+        raise CaptureError(
+            f"{self.name} sends {what} and no MJPEG stream: give the address of that, or "
+            "back_end='ffmpeg'"
+        )
 
-    def _head(self, connection: socket.socket, end: float) -> tuple[bytes, bytes]:
-        data = b""
-        while b"\r\n\r\n" not in data:
-            connection.settimeout(max(end - time.monotonic(), 1e-3))
-            received = connection.recv(_AT_ONCE)
-            if not received or len(data) > _LONGEST_HEAD:
-                raise NoCameraError(f"{self.name} gives no answer of HTTP: is it a camera?")
-            data += received
-        head, _, rest = data.partition(b"\r\n\r\n")
-        return head + b"\r\n\r\n", rest
-
-    def _form(self, head: bytes) -> tuple[bytes, bool]:
-        """Return the boundary of the parts, and whether the stream comes in chunks."""
-        stream = io.BytesIO(head)
-        words = stream.readline().decode("latin-1").strip().split(None, 2)
-        status = words[1] if len(words) > 1 else ""
-        try:
-            headers: Message = parse_headers(stream)
-        except HTTPException:
-            headers = Message()
-        if status in ("401", "403"):
-            raise NoPermissionError(
-                f"{self.name} answers {status}: give user and password in the address, as "
-                "http://user:password@host/path (digest authentication: back_end='ffmpeg')"
-            )
-        if status != "200":
-            said = cut(" ".join(words[1:]))
-            where = f" {cut(headers['Location'])}" if headers["Location"] else ""
-            raise NoCameraError(f"{self.name} answers {said}{where}: is the path right?")
-        boundary = headers.get_param("boundary")
-        if headers.get_content_maintype() != "multipart" or not isinstance(boundary, str):
-            raise CaptureError(
-                f"{self.name} sends {cut(headers.get_content_type())} and no MJPEG stream: give "
-                "the address of that, or back_end='ffmpeg'"
-            )
-        # Many small cameras answer so even where HTTP/1.0 is asked for.
-        is_chunked = headers.get("Transfer-Encoding", "").strip().lower() == "chunked"
-        return boundary.strip('" ').encode("latin-1", "replace"), is_chunked
+    def _keep(self, images: Iterable[bytes], arrived: float) -> None:
+        for image in images:
+            is_whole = is_whole_jpeg(image)
+            with self._changed:
+                if is_whole:
+                    self._n_passed += self._newest is not None
+                    self._newest = image, arrived
+                else:
+                    self._n_torn += 1
+                self._changed.notify()
 
     def read(self) -> tuple[Any, None, float, int, int] | None:
-        """Return the newest image, or None if none has come yet."""
-        assert self._stream is not None
-        taken = self._stream.take(_WAIT)
-        if taken is None:
-            return None
-        jpeg, arrived, n_passed, n_torn = taken
-        if not jpeg:
-            return None, None, arrived, 0, n_torn - 1
-        return decoded(jpeg), None, arrived, n_passed, n_torn
+        """Return the newest image as `PythonCamera` wants it, or None if none has come yet."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._newest or self._n_torn or self._end, _WAIT)
+            newest, n_passed, n_torn = self._newest, self._n_passed, self._n_torn
+            self._newest, self._n_passed, self._n_torn = None, 0, 0
+            if newest is None and not n_torn:
+                if self._end is None:
+                    return None
+                raise self._end
+        if newest is None:
+            return None, None, time.monotonic(), 0, n_torn - 1
+        image, arrived = newest
+        return pixels(image), None, arrived, n_passed, n_torn
 
     def close(self) -> None:
-        self._stream = None
+        """End the thread, wherever it waits."""
+        with self._changed:
+            self._end = self._end or UnpluggedError(f"{self.name} is closed")
+        if self._response is not None:
+            with contextlib.suppress(OSError, ValueError):
+                line = socket.fromfd(self._response.fileno(), socket.AF_INET, socket.SOCK_STREAM)
+                with line:
+                    line.shutdown(socket.SHUT_RDWR)

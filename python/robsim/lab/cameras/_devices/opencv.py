@@ -9,7 +9,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from robsim.base.text import one_line
-from robsim.lab.cameras._devices.http import decoded
+from robsim.lab.cameras._devices.freshness import OLD, Freshness
+from robsim.lab.cameras._devices.jpeg import decoded
 from robsim.lab.cameras.errors import (
     CameraBusyError,
     FrameTimeoutError,
@@ -40,6 +41,10 @@ def back_end_of_system() -> str:
     return {"win32": "msmf", "darwin": "avfoundation"}.get(sys.platform, "v4l2")
 
 
+def is_rtsp(source: int | str) -> bool:
+    return isinstance(source, str) and urlsplit(source).scheme in ("rtsp", "rtsps")
+
+
 def back_ends(cv2: Any) -> tuple[str, ...]:
     """Return those of our back ends that OpenCV was built with."""
     has = cv2.videoio_registry.hasBackend
@@ -50,7 +55,8 @@ class OpenCvCamera:
     """The camera in Python of what OpenCV opens by number or address; its images are BGR.
 
     A camera by number receives requests of a size (width, height in px) and a rate (1/s). A stream
-    opens within `open_timeout` (s). NoBackEndError: OpenCV, or this back end of it, is missing.
+    opens within `open_timeout` (s). Old frames of RTSP, whose stamps are the camera's, are passed
+    over. NoBackEndError: OpenCV, or this back end of it, is missing.
     """
 
     def __init__(
@@ -88,6 +94,8 @@ class OpenCvCamera:
         self._has_timeouts = back_end == "ffmpeg"
         self._capture: Any = None
         self._is_raw = False
+        self._freshness = Freshness() if is_rtsp(source) else None
+        self._n_passed = 0
 
     def check(self) -> None:
         """Raise what can be known to be wrong without opening it."""
@@ -95,8 +103,7 @@ class OpenCvCamera:
             _check_node(self._node)
 
     def open(self) -> None:
-        """Open it, after `check`."""
-        self.close()
+        """Open it, once."""
         with quiet(self._cv2):
             self._capture = self._cv2.VideoCapture(self._source, self._back_end, self._parameters())
         if self._capture.isOpened():
@@ -149,21 +156,31 @@ class OpenCvCamera:
         except (OSError, ValueError) as error:
             raise unreached(self.name, self.open_timeout, error) from error
 
-    def read(self) -> tuple[Any, bool, float]:
-        """Return the next image, whether it is BGR, and when it arrived; None if it was torn."""
+    def read(self) -> tuple[Any, float | None, float, int, int] | None:
+        """Return the next image as `PythonCamera` wants it; None if it was old."""
         begun = time.monotonic()
         with quiet(self._cv2):
             is_read = self._capture.grab()
             arrived = time.monotonic()
+            age = self._age(arrived) if is_read else None
+            if age is not None and age > OLD:
+                self._n_passed += 1
+                return None
             if is_read:
                 is_read, pixels = self._capture.retrieve()
-        if is_read and self._is_raw:
-            return decoded(pixels.tobytes()), False, arrived
         if is_read:
-            return pixels, True, arrived
+            image = decoded(pixels.tobytes()) if self._is_raw else pixels
+            n_passed = self._n_passed if image is not None else 0
+            self._n_passed -= n_passed
+            return image, None if age is None else arrived - age, arrived, n_passed, 0
         if time.monotonic() - begun > 0.9 * _STALL:
             raise FrameTimeoutError(f"{self.name} has sent nothing for {_STALL:g} s")
         raise UnpluggedError(f"{self.name} delivers no more: was it switched off or unplugged?")
+
+    def _age(self, arrived: float) -> float | None:
+        if self._freshness is None:
+            return None
+        return self._freshness.age(self._capture.get(self._cv2.CAP_PROP_POS_MSEC) / 1000, arrived)
 
     def close(self) -> None:
         """Give it back."""

@@ -1,38 +1,38 @@
-"""The process that reads a camera by OpenCV, and sends its frames to the one that opened it."""
+"""The process that reads a camera in Python, and sends its frames to the one that opened it."""
 
 from __future__ import annotations
 
+import importlib
+import math
 import os
 import select
 import socket
 import struct
 import sys
 import threading
-import time
 from typing import Any
 
-from robsim.lab.cameras._devices.opencv import OpenCvCamera
 from robsim.lab.cameras.errors import CaptureError, FrameTimeoutError
 
-#: What stands before the pixels: kind, width, height, length of what follows, when it arrived
-#: (time.monotonic(), s). As `PixelStream` reads it.
-HEAD = struct.Struct("=IIIId")
-OPENED, RGB, BGR, TORN, FAULT = range(5)
+#: The head of a frame, as `PixelStream` reads it: kind, width, height, bytes that follow, earlier
+#: images that were passed or torn, times of arrival and exposure (time.monotonic(), s).
+HEAD = struct.Struct("=6I2d")
+OPENED, BGR, NOTHING, FAULT = range(4)
 
 _BETWEEN_LOOKS = 0.5  # s, at the process that reads the frames
 
 
-def main(descriptor: int, options: dict[str, Any]) -> None:
+def main(descriptor: int, module: str, name: str, options: dict[str, Any]) -> None:
     """Send frames until the other process closes the socket, or ends."""
     frames = socket.socket(fileno=descriptor)
     threading.Thread(target=_end_with, args=(frames, os.getppid()), daemon=True).start()
     try:
-        camera = OpenCvCamera(**options)
+        camera = getattr(importlib.import_module(module), name)(**options)
         camera.open()
         _send(frames, OPENED)
         while True:
             try:
-                _send_next(frames, camera)
+                _send_next(frames, camera.read())
             except FrameTimeoutError as error:
                 _send_fault(frames, error.fault, str(error))
     except CaptureError as error:
@@ -42,7 +42,7 @@ def main(descriptor: int, options: dict[str, Any]) -> None:
 
 
 def _end_with(frames: socket.socket, parent: int) -> None:
-    """End this process with the one that reads, even while OpenCV waits for ever."""
+    """End this process with the one that reads, even while the camera hangs."""
     while os.getppid() == parent:
         ready, _, _ = select.select([frames], [], [], _BETWEEN_LOOKS)
         if ready:  # nothing is ever sent here but the end
@@ -50,12 +50,14 @@ def _end_with(frames: socket.socket, parent: int) -> None:
     os._exit(0)
 
 
-def _send_next(frames: socket.socket, camera: OpenCvCamera) -> None:
-    image, is_bgr, arrived = camera.read()
+def _send_next(frames: socket.socket, read: tuple[Any, ...] | None) -> None:
+    if read is None:
+        return
+    image, *rest = read
     if image is None:
-        _send(frames, TORN, arrived=arrived)
+        _send(frames, NOTHING, (0, 0), b"", *rest)
     else:
-        _send(frames, BGR if is_bgr else RGB, image.shape, memoryview(image).cast("B"), arrived)
+        _send(frames, BGR, image.shape, memoryview(image).cast("B"), *rest)
 
 
 def _send_fault(frames: socket.socket, fault: str, message: str) -> None:
@@ -67,11 +69,14 @@ def _send(
     kind: int,
     shape: tuple[int, ...] = (0, 0),
     body: bytes | memoryview = b"",
-    arrived: float | None = None,
+    exposed: float | None = None,
+    arrived: float = 0.0,
+    passed: int = 0,
+    torn: int = 0,
 ) -> None:
-    now = time.monotonic() if arrived is None else arrived
+    when = math.nan if exposed is None else exposed
     try:
-        frames.sendall(HEAD.pack(kind, shape[1], shape[0], len(body), now))
+        frames.sendall(HEAD.pack(kind, shape[1], shape[0], len(body), passed, torn, arrived, when))
         frames.sendall(body)
     except OSError:
         sys.exit()  # nobody reads any more

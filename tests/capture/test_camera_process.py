@@ -1,4 +1,4 @@
-"""What OpenCV reads, it reads in a process of its own: fresh frames, and nothing left behind."""
+"""A separate process reads a camera: fresh frames, and nothing left behind."""
 
 import contextlib
 import os
@@ -14,10 +14,7 @@ from python_devices import PATIENT
 from robsim.lab import FrameTimeoutError
 from waiting import LONGER_AND_LONGER, keep_interpreter, wait_for
 
-pytest.importorskip("cv2")
-
 SUPPORT = Path(__file__).parents[1] / "support"
-OPTIONS = {"back_end": "ffmpeg", **PATIENT}
 
 pytestmark = [
     pytest.mark.long,
@@ -42,7 +39,7 @@ with MjpegServer(endless) as server:
 
 READER = """
 import sys, robsim
-camera = robsim.Camera(sys.argv[1], back_end="ffmpeg", open_timeout=300)
+camera = robsim.Camera(sys.argv[1], back_end=sys.argv[2], open_timeout=300)
 print(camera.size, flush=True)
 sys.stdin.read()
 """
@@ -62,8 +59,15 @@ def url():
         server.stdin.close()
 
 
+@pytest.fixture(params=["http", "ffmpeg"])
+def options(request):
+    if request.param == "ffmpeg":
+        pytest.importorskip("cv2")
+    return {"back_end": request.param, **PATIENT}
+
+
 def worker_of(reader):
-    """The process that reads a camera by OpenCV for a process."""
+    """The process that reads a camera for a process."""
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             is_ours = int((folder / "stat").read_text().rpartition(")")[2].split()[1]) == reader
@@ -80,8 +84,8 @@ def has_ended(process):
         return True
 
 
-def test_frames_come_while_somebody_keeps_the_interpreter_and_the_process_ends(url):
-    with robsim.Camera(url, **OPTIONS) as camera:
+def test_frames_come_while_somebody_keeps_the_interpreter_and_the_process_ends(url, options):
+    with robsim.Camera(url, **options) as camera:
         worker = worker_of(os.getpid())
         for seconds in LONGER_AND_LONGER:
             before = camera.counts.grabbed
@@ -96,8 +100,8 @@ def test_frames_come_while_somebody_keeps_the_interpreter_and_the_process_ends(u
 @pytest.mark.slow
 @pytest.mark.sanitized
 @pytest.mark.parametrize("end", ["kill", "exit"])
-def test_the_process_ends_with_its_reader(url, end):
-    with child(READER, url) as reader:
+def test_the_process_ends_with_its_reader(url, options, end):
+    with child(READER, url, options["back_end"]) as reader:
         assert reader.stdout.readline() == "(64, 48)\n"
         worker = worker_of(reader.pid)
         reader.kill() if end == "kill" else reader.stdin.close()
@@ -106,8 +110,8 @@ def test_the_process_ends_with_its_reader(url, end):
 
 @pytest.mark.slow
 @pytest.mark.sanitized
-def test_a_process_that_dies_is_an_unplugged_camera(url):
-    with robsim.Camera(url, reopen=True, **OPTIONS) as camera:
+def test_a_process_that_dies_is_an_unplugged_camera(url, options):
+    with robsim.Camera(url, reopen=True, **options) as camera:
         camera.read()
         os.kill(worker_of(os.getpid()), signal.SIGKILL)
 

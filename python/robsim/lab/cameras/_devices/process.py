@@ -1,69 +1,70 @@
-"""A camera that OpenCV reads in a process of its own."""
+"""A camera in Python, in a separate process."""
 
 from __future__ import annotations
 
 import json
+import os
 import socket
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from robsim.lab.cameras import errors as _errors
-from robsim.lab.cameras._devices.opencv import OpenCvCamera
 from robsim.lab.cameras._devices.worker import FAULT, HEAD
-from robsim.lab.cameras.errors import CaptureError, FrameTimeoutError
+from robsim.lab.cameras.errors import CaptureError, FrameTimeoutError, error_of
 
 _START = 10.0  # s, for the process and its OpenCV
-_CODE = (
-    "import json, sys; descriptor, path, options = json.loads(sys.argv[1]); sys.path[:] = path; "
-    "from robsim.lab.cameras._devices.worker import main; main(descriptor, options)"
-)
-_KINDS = {
-    kind.fault: kind
-    for kind in vars(_errors).values()
-    if isinstance(kind, type) and issubclass(kind, CaptureError)
-}
+_ROOM = 1 << 20  # bytes, a frame of 640 x 480: both ends would wait for each other in its pieces
+_CODE = """
+import json, sys
+sys.path[:], *arguments = json.loads(sys.argv[1])
+from robsim.lab.cameras._devices.worker import main
+main(*arguments)
+"""
 
 
 def is_possible() -> bool:
     return sys.platform != "win32" and bool(sys.executable)
 
 
-class OpenCvHere:
-    """The same in this process, where there can be no other; its images are BGR."""
+class CameraHere:
+    """The same in this process, where there can be no other."""
 
-    def __init__(self, camera: OpenCvCamera) -> None:
+    def __init__(self, camera: Any) -> None:
         self._camera = camera
 
     def open(self) -> None:
-        """Open it."""
-        self._camera.check()
+        """Open a new one of the same kind."""
+        self._camera = type(self._camera)(**self._camera.options)
         self._camera.open()
 
     def close(self) -> None:
         self._camera.close()
 
-    def read(self) -> tuple[Any, None, float, int, int]:
+    def read(self) -> Any:
         """Return the next image, as the grabber wants it."""
-        image, is_bgr, arrived = self._camera.read()
-        if image is not None and not is_bgr:
-            image = np.ascontiguousarray(image[:, :, ::-1])
-        return image, None, arrived, 0, 0
+        return self._camera.read()
 
 
-class OpenCvProcess:
-    """The camera in Python of what OpenCV opens, read in a process of its own.
+class CameraProcess:
+    """The camera in Python of another one, which a separate process reads.
 
     In this one, each frame would need the interpreter: while a callback keeps it, frames would wait
-    in OpenCV, and come late, with the time of when they were read. The process ends with `close`
-    and with its reader, and OpenCV can neither hang nor crash it. It does not open the camera here.
+    and come late, with the time of when they were read. The process ends with `close` and with its
+    reader, and OpenCV can neither hang nor crash it. The camera is not opened here.
+
+    Parameters
+    ----------
+    camera : object
+        As `CameraHere` has it, with `name`, `open_timeout` and `options`, the arguments of another.
+    environment : dict of str to str
+        Variables that the process has in addition.
     """
 
-    def __init__(self, camera: OpenCvCamera) -> None:
+    def __init__(self, camera: Any, environment: Mapping[str, str]) -> None:
         self._camera = camera
+        self._environment = environment
         self.name = camera.name
         self._process: subprocess.Popen[bytes] | None = None
         self._frames: socket.socket | None = None
@@ -71,12 +72,14 @@ class OpenCvProcess:
     def open(self) -> int:
         """Start the process; return the descriptor of the socket that its frames come from."""
         self.close()
-        self._camera.check()
         self._frames, theirs = socket.socketpair()
+        theirs.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _ROOM)
+        kind = type(self._camera)
         with theirs:
-            told = json.dumps([theirs.fileno(), sys.path, self._camera.options])
+            told = [sys.path, theirs.fileno(), kind.__module__, kind.__name__, self._camera.options]
             self._process = subprocess.Popen(
-                [sys.executable, "-c", _CODE, told],
+                [sys.executable, "-c", _CODE, json.dumps(told)],
+                env={**os.environ, **self._environment},
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -87,10 +90,10 @@ class OpenCvProcess:
         return self._frames.fileno()
 
     def _wait_until_open(self, frames: socket.socket, end: float) -> None:
-        kind, _, _, length, _ = HEAD.unpack(self._receive(frames, HEAD.size, end))
+        kind, _, _, length, *_ = HEAD.unpack(self._receive(frames, HEAD.size, end))
         if kind == FAULT:
             fault, _, message = self._receive(frames, length, end).decode().partition("\n")
-            raise _KINDS.get(fault, CaptureError)(message)
+            raise error_of(fault, message)
 
     def _receive(self, frames: socket.socket, size: int, end: float) -> bytes:
         data = b""
