@@ -38,16 +38,22 @@ def camera(given: argparse.Namespace) -> Report:
     """What a frame of a FireWire or GigE camera takes, from its bytes to the robot's pose.
 
     For each way in which cameras send pixels, beside OpenCV; and what a process takes that reads a
-    live one, simulated, and finds the robot in each frame.
+    live one, simulated, and finds the robot in each frame. Then the age of the pictures of RTSP.
     """
-    from bench_camera.result import Live
+    from bench_camera import streams
+    from bench_camera.result import Live, Stream
     from bench_camera.run import run_camera_bench
     from bench_camera.serving import read_live_cameras
 
     converted = run_camera_bench(rounds=given.rounds)
     live = read_live_cameras()
-    rows = tuple(Live(**row) for row in live.rows)
-    return dataclasses.replace(converted, live=rows, left_out=tuple(live.left_out))
+    rows, left_out, read = tuple(Live(**row) for row in live.rows), live.left_out, []
+    for coding in streams.CODINGS:
+        try:
+            read.append(Stream(**streams.read_stream(coding)))
+        except OSError as error:
+            left_out.append(f"rtsp {coding} is left out: {error}")
+    return dataclasses.replace(converted, live=rows, streams=tuple(read), left_out=tuple(left_out))
 
 
 def campaign(given: argparse.Namespace) -> Report:

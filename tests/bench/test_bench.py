@@ -11,7 +11,7 @@ import gige_cameras
 import robsim
 from bench_accuracy import apriltag, result, run
 from bench_camera import run as camera
-from bench_camera import serving
+from bench_camera import serving, streams
 from commands import command
 from robsim import _core
 from robsim.cli.simulated import bench as bench_table
@@ -180,6 +180,7 @@ def test_the_program_prints_numbers_for_scripts(monkeypatch, capsys):
     few = {"rounds": 1, "sizes": (SIZE,)}
     monkeypatch.setattr(camera.run_camera_bench, "__kwdefaults__", few)
     monkeypatch.setattr(serving, "WAYS", ())
+    monkeypatch.setattr(streams, "CODINGS", ())
     benches.main(["camera", "--rounds", "1", "--json"])
     paths = json.loads(capsys.readouterr().out)["paths"]
     assert list(paths) == [f"{format_}_320x240" for format_ in camera.FORMATS]
@@ -203,6 +204,26 @@ def test_live_cameras_are_read_by_a_process_of_its_own(monkeypatch):
     for row in read.rows:
         assert row["lost"] >= 0
         assert row["latency"] <= row["latency_p95"]
+
+
+def test_a_missing_server_of_rtsp_is_named_with_its_packages(monkeypatch, tmp_path, capsys):
+    server = tmp_path / "server.py"
+    server.write_text("import there_is_no_such_module")
+    monkeypatch.setattr(streams, "_SERVER", server)
+    monkeypatch.setattr(streams, "PYTHON", sys.executable)
+    few = {"rounds": 1, "sizes": (SIZE,)}
+    monkeypatch.setattr(camera.run_camera_bench, "__kwdefaults__", few)
+    monkeypatch.setattr(serving, "WAYS", ())
+    benches.main(["camera", "--rounds", "1"])
+    said = capsys.readouterr().out
+    assert all(word in said for word in ("there_is_no_such_module", "gst-rtsp-server"))
+
+
+def test_a_picture_shows_its_time(rng):
+    shown = int(rng.integers(2**32))
+    cells = np.array([255 * (shown >> k & 1) for k in range(streams.CELLS)])
+    picture = np.repeat(cells, 20)[None, :, None] + rng.integers(-60, 60, (48, 640, 3))
+    assert streams.time_of(picture.clip(0, 255)) == shown
 
 
 @pytest.mark.parametrize(

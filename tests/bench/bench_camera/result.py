@@ -14,6 +14,12 @@ LIVE_REMARKS = (
     "to measurement: from the arrival of a frame's last bytes to the pose; median and 95 %",
     "core: the reading process' share of one processor core, with the system's part",
 )
+STREAM_REMARKS = (
+    "network camera: gst-rtsp-server shows the time in its pictures, H.264 with sound; the line "
+    "stalls for 1.5 s, and later breaks, so that the camera is opened again",
+    "age: from the camera's clock in the picture to the reader, with the encoder's time; median",
+    "untold: the spread of the age that frame.t hides; its constant part is the encoder's time",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,6 +94,36 @@ class Live:
         return Row(name, [self.rate, self.lost, self.latency, self.latency_p95, self.core])
 
 
+@dataclass(frozen=True, kw_only=True)
+class Stream:
+    """Ages of the pictures of a network camera, as `streams.read_stream` measures them.
+
+    Attributes
+    ----------
+    coding : str
+        The coding of the stream.
+    frames, dropped : int
+        Numbers of frames that a reader got, and of dropped ones.
+    age, oldest : float
+        Age of the pictures that a reader got: median and maximum (ms).
+    untold : float
+        Spread of the age that `Frame.t` hides (ms).
+    """
+
+    coding: str
+    frames: int
+    dropped: int
+    age: float
+    oldest: float
+    untold: float
+
+    @property
+    def row(self) -> Row:
+        """Its row in the table."""
+        values = [self.frames, self.dropped, self.age, self.oldest, self.untold]
+        return Row(f"rtsp_{self.coding}", values)
+
+
 def _three_digits(milliseconds: float) -> str:
     return f"{milliseconds:.3g}"
 
@@ -104,6 +140,8 @@ class CameraBench(Report):
         A way to send pixels and a size each.
     live : tuple of Live
         A camera that was read live each.
+    streams : tuple of Stream
+        A network camera that was read each.
     left_out : tuple of str
         Live cameras that could not be read, and why.
     """
@@ -111,6 +149,7 @@ class CameraBench(Report):
     cpu_path: str
     paths: tuple[Path, ...]
     live: tuple[Live, ...] = ()
+    streams: tuple[Stream, ...] = ()
     left_out: tuple[str, ...] = ()
 
     @property
@@ -136,7 +175,8 @@ class CameraBench(Report):
         columns.append(Column("core", f"core at {RATE}/s", "", percent, missing=""))
         rows = [path.row for path in self.paths]
         paths = Table(key="paths", columns=columns, rows=rows, row_title="pixels")
-        return (paths, self._live_table) if self.live else (paths,)
+        more = [self._live_table] * bool(self.live) + [self._stream_table] * bool(self.streams)
+        return (paths, *more)
 
     @property
     def _live_table(self) -> Table:
@@ -151,6 +191,18 @@ class CameraBench(Report):
         return Table(key="live", columns=columns, rows=rows, row_title="live camera")
 
     @property
+    def _stream_table(self) -> Table:
+        columns = (
+            Column("frames", "frames", "", ".0f"),
+            Column("dropped", "dropped", "", ".0f"),
+            Column("age", "age", "ms", _three_digits),
+            Column("oldest", "oldest", "ms", _three_digits),
+            Column("untold", "untold", "ms", _three_digits),
+        )
+        rows = [stream.row for stream in self.streams]
+        return Table(key="streams", columns=columns, rows=rows, row_title="network camera")
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """How to read the columns."""
         return (
@@ -159,5 +211,6 @@ class CameraBench(Report):
             "yuv411: OpenCV does not know a camera's order, so numpy sorts the bytes first",
             "mono8 shows no colours, so there are no markers to find",
             *(LIVE_REMARKS if self.live else ()),
+            *(STREAM_REMARKS if self.streams else ()),
             *self.left_out,
         )
