@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-_NEEDED = ("numpy", "PIL", "matplotlib", "cv2", "tornado", "rich", *sys.stdlib_module_names)
+_NEEDED = ("numpy", "PIL", "matplotlib", "cv2", "av", "tornado", "rich", *sys.stdlib_module_names)
 _USED = ("copy", "csv", "json", "tomllib")  # long after their import, which finds no fault
 
 

@@ -88,7 +88,9 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
     from robsim.vision.imaging.video import save_video
 
     shown = progress_bar(frames, total=len(trace), unit="frame", desc=file.name)
-    save_video(file, shown, fps=min(500.0, max(0.1, 1 / trace.info.dt)))
+    # The mean: lost and irregular frames do not change the duration.
+    dt = (trace.t[-1] - trace.t[0]) / max(1, len(trace) - 1) or trace.info.dt
+    save_video(file, shown, fps=min(500.0, max(0.1, 1 / dt)))
 
 
 _PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew

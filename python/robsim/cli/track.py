@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from robsim._core import Frame
 from robsim.cli import errors, shared
 from robsim.cli.outcome import finish, write_with_progress
 from robsim.cli.text import parse_size
@@ -39,7 +40,7 @@ def track(
     obliquely, give four or more points whose positions are known.
 
     SOURCE: Video file, or folder of images.
-    --dt SECONDS: Time between two frames in s. Default: from the video; 0.2 for images.
+    --dt SECONDS: Time between two frames in s. Default: the times in the video; 0.2 for images.
     --video/--no-video: Write the annotated video, tracked.mp4, too.
 
     Example: robsim track run.mkv --area 1200x1200 --out tracked
@@ -77,12 +78,13 @@ def track(
 
 def _write_video(experiment: Experiment, trace: Trace, recording: Recording, file: Path) -> None:
     from robsim.plotting.images.replay import annotated_frames
-    from robsim.vision.imaging.video import load_opencv
+    from robsim.vision.imaging.video import load_av
 
     try:
-        load_opencv("writing a video")
+        load_av("writing a video")
     except ImportError as error:
         errors.print_note(f"no {file.name}: {error}")
         return
-    shown = annotated_frames(recording, trace, simulation=experiment)
+    frames = (one if isinstance(one, Frame) else None for one in recording._each())
+    shown = annotated_frames(frames, trace, simulation=experiment)
     write_with_progress(file, shown, trace)

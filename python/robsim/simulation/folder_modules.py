@@ -21,8 +21,9 @@ from robsim.simulation.slots import SLOTS
 
 # A helper module of such a name would shadow it for Python or for robsim.
 _RESERVED = sys.stdlib_module_names | {
-    "__main__", "robsim", "numpy", "PIL", "matplotlib", "cv2", "pandas", "rich", "tqdm", "typer"
-}  # fmt: skip
+    *("__main__", "robsim", "numpy", "PIL", "matplotlib", "cv2", "av"),
+    *("pandas", "rich", "tqdm", "typer"),
+}
 _PACKAGE = "robsim_callbacks."
 _RELATIVE = re.compile(rb"\bfrom\s*\.")
 # sys.modules is shared by the process: one folder at a time.

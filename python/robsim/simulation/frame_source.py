@@ -60,7 +60,9 @@ class FrameSource:
         self._frames = frames
         grabber = getattr(frames, "_grabber", None)
         self._grabber: Grabber | None = grabber if isinstance(grabber, Grabber) else None
-        self._iterator = iter(frames)
+        # Damaged pictures of a recording are steps without a frame.
+        self._begin = getattr(frames, "_each", frames.__iter__)
+        self._iterator = iter(self._begin())
         self._is_polled = is_polled and not self.is_live
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
@@ -122,7 +124,7 @@ class FrameSource:
 
     def restart(self) -> None:
         """Start again with the first frame."""
-        self._iterator = iter(self._frames)
+        self._iterator = iter(self._begin())
         self._drawn = set()
         self._has_begun = False
         self._reader = self._failed_at = None

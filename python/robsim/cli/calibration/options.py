@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from robsim.base.text import quoted
+from robsim.base.warn import warn_user
 from robsim.cli.text import about
 
 if TYPE_CHECKING:
@@ -60,28 +61,40 @@ def height_of(option: str, text: str) -> float:
 def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tuple[str, Any]]:
     """Yield names and RGB pictures of image files, folders and videos.
 
-    Of a video, `most` frames at most, evenly spread.
+    Of a video, `most` frames at most, evenly spread. What cannot be read, or has another size than
+    the first one, is left out; a warning tells.
     """
-    from robsim.vision.imaging.images import image_suffixes, load_image
-    from robsim.vision.imaging.recordings import Recording
+    from robsim.vision.imaging.images import check_same_size, frame_size, image_suffixes, load_image
+    from robsim.vision.imaging.recordings import Recording, left_out
 
+    images: list[Path] = []
     for source in sources:
-        if source.is_file() and source.suffix.lower() in image_suffixes():
-            yield source.name, load_image(source)
-        elif source.is_dir():
-            files = sorted(
-                one for one in source.iterdir() if one.suffix.lower() in image_suffixes()
-            )
-            if not files:
+        if source.is_dir() or source.suffix.lower() in image_suffixes():
+            files = sorted(source.iterdir()) if source.is_dir() else [source]
+            found = [one for one in files if one.suffix.lower() in image_suffixes()]
+            if not found:
                 raise ValueError(f"{source} has no pictures")
-            for file in files:
-                yield file.name, load_image(file)
+            images += found
         else:
             recording = Recording(source)
-            every = max((recording.count or 1) // most, 1)
+            every = max(recording.count // most, 1)
             for frame in recording:
                 if frame.index % every == 0:
                     yield f"{source.name} frame {frame.index}", frame.image
+    size, unread = None, []
+    for file in images:
+        try:
+            image = load_image(file)
+            check_same_size(file.name, frame_size(image), size or frame_size(image))
+        except ValueError as error:
+            unread.append(error)
+        else:
+            size = frame_size(image)
+            yield file.name, image
+    if unread and size is None:
+        raise unread[0]
+    if told := left_out(unread, len(images)):
+        warn_user(told)
 
 
 def report_and_save(

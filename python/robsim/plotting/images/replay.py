@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -19,14 +20,14 @@ from robsim.vision.imaging.images import Pixels
 
 
 def annotated_frames(
-    frames: Iterable[Frame], trace: Trace, *, simulation: Runner
+    frames: Iterable[Frame | None], trace: Trace, *, simulation: Runner
 ) -> Iterator[Pixels]:
     """Return the frames of a run with the measured and estimated poses drawn onto them.
 
     Parameters
     ----------
     frames : iterable of Frame
-        The frames, one for each step of the trace.
+        The frames, one for each step of the trace. None = no frame in this step.
     trace : Trace
         The run.
     simulation : Simulation or Experiment
@@ -48,13 +49,15 @@ def annotated_frames(
     return _annotated(frames, trace, simulation)
 
 
-def _annotated(frames: Iterable[Frame], trace: Trace, simulation: Runner) -> Iterator[Pixels]:
+def _annotated(frames: Iterable[Any], trace: Trace, simulation: Runner) -> Iterator[Pixels]:
     robot = simulation.robot
     is_tracked = trace.is_tracked
     outline = robot.to_robot_frame(robot.outline)
     told, trace = trace, trace.in_unit("px")
     measured, estimated, covariance = trace.pose_measured, trace.pose_estimated, trace.covariance
     for i, frame in zip(range(len(trace)), frames, strict=False):
+        if frame is None:
+            continue
         check_source(f"frames[{i}]", frame, Frame)
         is_estimated = np.isfinite(estimated[i]).all()
         yield draw_overlay(

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Generator, Iterator
-from contextlib import closing
-from itertools import islice
+from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from robsim._core import Frame, PlaneMap
+from robsim._core import Frame, Observation, PlaneMap
 from robsim.base.checks import Floats, check_float, check_int, check_kind, check_size
 from robsim.base.files import as_path
 from robsim.base.text import one_line, quoted
@@ -21,19 +17,16 @@ from robsim.base.warn import warn_user
 from robsim.vision.imaging.calibration import Calibration
 from robsim.vision.imaging.calibration_file import as_calibration
 from robsim.vision.imaging.images import (
-    MOST_PIXELS,
     Pixels,
     check_same_size,
     frame_size,
     image_suffixes,
     load_image,
 )
-from robsim.vision.imaging.video import check_is_video, load_opencv, noted_headings, quiet
+from robsim.vision.imaging.video_reader import VideoReader
 
-_COMPLETE = 0.95  # fraction of the frames; some files only estimate their number
-MAXIMUM_RATE = 1000.0  # 1/s; files with an unknown frame rate often claim this or more
-
-_LONGEST_DT = 1e6  # s
+_MOST_NAMED = 3  # pictures in a warning
+_SHORTEST_DT, _LONGEST_DT = 1e-3, 1e6  # s; files without a frame rate often claim 1 ms or less
 _MOST_HEADINGS = 2**31 - 1
 _BORDER = 32  # points of each side of a frame that a lens bends
 
@@ -56,7 +49,8 @@ class Recording:
         Width and height of the work area (px). Default: that of the calibration, or the extent that
         the frames show; without a plane map, the size of the frames.
     dt : float, optional
-        Time between two frames (s). Default: that of the video file; images in a folder have none.
+        Time between two frames (s), instead of the times of a video. Default: these; images in a
+        folder have no times.
     calibration : Calibration or path, optional
         That of the camera, in place of `plane_map`. Frames of another size are refused.
     headings : int, optional
@@ -73,12 +67,13 @@ class Recording:
     area : tuple of int
         Width and height of the work area (px).
     dt : float or None
-        Time between two frames (s): frame k has the time k dt. None = unknown: the frames have no
-        times, and an `Experiment` takes the dt of its model.
+        Time between two frames (s), longer by whole intervals where frames were lost. None = not
+        constant, or unknown: images in a folder have no times, and an `Experiment` takes the dt of
+        its model.
     size : tuple of int
         Width and height of the frames (px).
-    count : int or None
-        Number of frames, as the file claims; None = unknown.
+    count : int
+        Number of frames, of damaged ones, too.
     calibration : Calibration or None
         That of the camera.
     headings : int or None
@@ -89,16 +84,22 @@ class Recording:
     FileNotFoundError
         If there is no such file or folder.
     ImportError
-        If it is a video, and OpenCV is not installed.
+        If it is a video, and PyAV is not installed.
     TypeError, ValueError
-        If an argument has the wrong type, the file is not a video, has no frames or no plausible
-        frame rate, if the folder has no images, if `dt` or `area` is not positive. During
-        iteration: if a frame is damaged, or its size differs from that of the first.
+        If an argument has the wrong type, or `dt` or `area` is not positive. If a folder has no
+        images, no frame can be read, or the frame rate is implausible.
 
     Warns
     -----
     UserWarning
-        If a video ends early because it is truncated or damaged.
+        At the end of an iteration: if damaged frames or frames of another size were left out, or
+        a video is truncated. An `Experiment` has a step without a frame for a frame left out.
+
+    Notes
+    -----
+    A video has the times of its file, from the first frame on. A frame that depends on a damaged
+    one may show remains of it. Of an interlaced video, a frame shows the field that was exposed
+    first, at its time; yadif interpolates the other rows.
 
     Examples
     --------
@@ -126,19 +127,27 @@ class Recording:
         if not self.source.exists():
             raise FileNotFoundError(f"there is no file or folder {one_line(self.source)}")
         self.calibration = as_calibration(calibration, plane_map)
-        self._images = _Folder(self.source) if self.source.is_dir() else _Video(self.source)
+        self._told = ""  # the last warning
+        self._images = _Folder(self.source) if self.source.is_dir() else VideoReader(self.source)
         self.size = self._first_size()
         if self.calibration is not None:
             self.calibration.check_frames(self.size)
             plane_map, area = self.calibration.plane_map, area or self.calibration.area
-        self.dt = (
-            self._images.dt()
-            if dt is None
-            else check_float("dt", dt, "s", exclusive_minimum=0, maximum=1e6)
-        )
-        self.count = self._images.count()
+        self.count = self._images.count
+        self.dt: float | None
+        if dt is None:
+            self.dt, times = self._images.dt, self._images.times
+            if self.dt is not None and not self.dt > _SHORTEST_DT:
+                raise ValueError(
+                    f"{one_line(self.source)} has frames {self.dt:g} s apart, which is "
+                    "implausible: give dt, the time between two frames in s"
+                )
+        else:
+            self.dt = check_float("dt", dt, "s", exclusive_minimum=0, maximum=_LONGEST_DT)
+            times = np.asarray(self.dt * np.arange(self.count))
+        self._times = times
         self.headings = (
-            self._images.headings()
+            self._images.headings
             if headings is None
             else check_int("headings", headings, minimum=1, maximum=_MOST_HEADINGS)
         )
@@ -149,34 +158,65 @@ class Recording:
         self.plane_map = plane_map or PlaneMap.scaled(resolution=self.size, area=self.area)
 
     def __iter__(self) -> Iterator[Frame]:
-        with closing(self._images.read()) as images:
-            for index, (name, pixels) in enumerate(images):
-                yield self._frame(index, name, pixels)
+        yield from (one for one in self._each() if isinstance(one, Frame))
 
-    def _frame(self, index: int, name: str, pixels: Pixels) -> Frame:
-        check_same_size(name, frame_size(pixels), self.size)
-        t = None if self.dt is None else index * self.dt
-        return Frame(pixels, t=t, index=index, plane_map=self.plane_map, headings=self.headings)
+    def _each(self) -> Iterator[Frame | Observation]:
+        """Yield a step for each picture, without a frame for one that cannot be read."""
+        unread: list[ValueError] = []
+        for index, pixels in enumerate(self._images.read()):
+            try:
+                frame = self._frame(index, pixels)
+            except ValueError as error:
+                unread.append(error)
+                yield Observation(t=self._time(index))
+            else:
+                yield frame
+        told = "; ".join(filter(None, (self._images.shortage, left_out(unread, self.count))))
+        if told != self._told:
+            warn_user(told)
+            self._told = told
+
+    def _time(self, index: int) -> float | None:
+        return None if self._times is None else float(self._times[index])
+
+    def _frame(self, index: int, pixels: Pixels | ValueError) -> Frame:
+        if isinstance(pixels, ValueError):
+            raise pixels
+        check_same_size(self._images.name(index), frame_size(pixels), self.size)
+        t, headings = self._time(index), self.headings
+        return Frame(pixels, t=t, index=index, plane_map=self.plane_map, headings=headings)
 
     def _at(self, index: int) -> Frame:
-        """Return a frame, in any order; IndexError if there is none."""
-        return self._frame(index, *self._images.at(index))
+        """Return a frame, in any order; IndexError: it is missing, ValueError: it is damaged."""
+        return self._frame(index, self._images.at(index))
 
     def __repr__(self) -> str:
-        count = "frames" if self.count is None else f"{self.count} frames"
         width, height = self.size
-        dt = "no times" if self.dt is None else f"dt = {self.dt:g} s"
-        return f"<Recording {one_line(self.source)}: {count} of {width} x {height} px, {dt}>"
+        unknown = "no times" if self._times is None else "irregular times"
+        dt = unknown if self.dt is None else f"dt = {self.dt:g} s"
+        frames = f"{self.count} frames of {width} x {height} px"
+        return f"<Recording {one_line(self.source)}: {frames}, {dt}>"
 
     def _first_size(self) -> tuple[int, int]:
-        with closing(self._images.read()) as images:
-            for _, pixels in images:
-                return frame_size(pixels)
-        raise ValueError(f"{one_line(self.source)} has no frames")
+        pictures = (one for one in self._images.read() if not isinstance(one, ValueError))
+        if (first := next(pictures, None)) is None:
+            raise ValueError(f"{one_line(self.source)} has no frames that can be read")
+        return frame_size(first)
+
+
+def left_out(unread: Sequence[ValueError], count: int) -> str:
+    """Return how many of the pictures could not be used, and why, as a sentence; maybe empty."""
+    named = "; ".join(map(str, unread[:_MOST_NAMED])) + "; ..." * (len(unread) > _MOST_NAMED)
+    return f"{len(unread)} of {count} pictures are left out: {named}" if unread else ""
 
 
 class _Folder:
     """Frame reader for the images of a folder."""
+
+    dt: float | None = None
+    times: Floats | None = None
+    headings: int | None = None
+    shortage = ""
 
     def __init__(self, folder: Path) -> None:
         suffixes = image_suffixes()
@@ -190,110 +230,25 @@ class _Folder:
             hint = f": its video is {one_line(video)}" if video.is_file() else ""
             raise ValueError(f"there are no images in the folder {one_line(folder)}{hint}")
         self.files = sorted(files, key=_natural_order)
+        self.count = len(files)
 
-    def dt(self) -> float | None:
-        return None
+    def name(self, index: int) -> str:
+        return one_line(self.files[index])
 
-    def count(self) -> int:
-        return len(self.files)
+    def read(self) -> Iterator[Pixels | ValueError]:
+        for index in range(self.count):
+            try:
+                yield self.at(index)
+            except ValueError as error:
+                yield error
 
-    def headings(self) -> int | None:
-        return None
-
-    def read(self) -> Generator[tuple[str, Pixels]]:
-        for file in self.files:
-            yield one_line(file), load_image(file)
-
-    def at(self, index: int) -> tuple[str, Pixels]:
-        file = self.files[index]
-        return one_line(file), load_image(file)
+    def at(self, index: int) -> Pixels:
+        return load_image(self.files[index])
 
 
 def _natural_order(file: Path) -> tuple[list[str | int], str]:
     parts = re.split(r"(\d+)", file.name.lower())
     return [int(part) if part.isdecimal() else part for part in parts], file.name
-
-
-class _Video:
-    """Frame reader for a video file, by OpenCV."""
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-        self.cv2 = load_opencv("reading a video")
-        check_is_video(file)
-        with quiet(self.cv2):
-            capture = self._open()
-            self.rate = float(capture.get(self.cv2.CAP_PROP_FPS))
-            self.frames = capture.get(self.cv2.CAP_PROP_FRAME_COUNT)
-            size = [capture.get(self.cv2.CAP_PROP_FRAME_WIDTH)]
-            size.append(capture.get(self.cv2.CAP_PROP_FRAME_HEIGHT))
-            capture.release()
-        if not size[0] * size[1] <= MOST_PIXELS:  # True for NaN, too
-            raise ValueError(
-                f"{one_line(file)} must have frames of at most {MOST_PIXELS} px, got "
-                f"{size[0]:g} x {size[1]:g} px"
-            )
-
-    def dt(self) -> float:
-        if not 0 < self.rate < MAXIMUM_RATE:  # False for NaN, too
-            raise ValueError(
-                f"{one_line(self.file)} has the frame rate {self.rate:g} per second, which is "
-                "implausible: give dt, the time between two frames in s"
-            )
-        return 1 / self.rate
-
-    def count(self) -> int | None:
-        known = math.isfinite(self.frames) and self.frames > 0
-        return int(self.frames) if known else None
-
-    def headings(self) -> int | None:
-        return noted_headings(self.file)
-
-    def read(self) -> Generator[tuple[str, Pixels]]:
-        with quiet(self.cv2):
-            capture = self._open()
-        index = 0
-        # Nothing has to be done at the end, which may be that of Python: the file closes by itself.
-        while (pixels := self._next(capture)) is not None:
-            yield f"frame {index} of {one_line(self.file)}", pixels
-            index += 1
-        known = self.count()
-        if known is not None and index < _COMPLETE * known:
-            warn_user(
-                f"{one_line(self.file)} ends after {index} of {known} frames: it is truncated or "
-                "damaged"
-            )
-
-    def at(self, index: int) -> tuple[str, Pixels]:
-        with quiet(self.cv2):
-            capture = self._open()
-            capture.set(self.cv2.CAP_PROP_POS_FRAMES, index)
-            is_there = round(capture.get(self.cv2.CAP_PROP_POS_FRAMES)) == index
-        name = f"frame {index} of {one_line(self.file)}"
-        if is_there and (pixels := self._next(capture)) is not None:
-            return name, pixels
-        # A file without an index: from its beginning.
-        found = next(islice(self.read(), index, None), None)
-        if found is None:
-            raise IndexError(f"there is no {name}")
-        return found
-
-    def _open(self) -> Any:
-        # More threads are no faster, and print their warnings at any time.
-        one_thread = [self.cv2.CAP_PROP_N_THREADS, 1]
-        # The whole path: "concat:a.mp4" would be more than the name of a file.
-        capture = self.cv2.VideoCapture(str(self.file.absolute()), self.cv2.CAP_FFMPEG, one_thread)
-        if not capture.isOpened():
-            raise ValueError(f"{one_line(self.file)} is not a video, or it is damaged or truncated")
-        return capture
-
-    def _next(self, capture: Any) -> Pixels | None:
-        with quiet(self.cv2):
-            is_read, pixels = capture.read()
-        if not is_read:
-            return None
-        rgb: Pixels = self.cv2.cvtColor(pixels, self.cv2.COLOR_BGR2RGB)
-        return rgb
 
 
 def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Writing frames to video files with OpenCV."""
+"""Writing frames to video files with PyAV, and what all readers of videos need."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ import math
 import os
 import re
 import threading
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from fractions import Fraction
 from os import SEEK_END, PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from robsim._core import Frame
 from robsim.base.checks import check_float
-from robsim.base.files import PartialFile, as_path, content_of, open_file
+from robsim.base.files import PartialFile, as_path, naming, open_file
 from robsim.base.text import one_line
 from robsim.vision.imaging.images import (
     Pixels,
@@ -27,58 +27,6 @@ from robsim.vision.imaging.images import (
     frame_pixels,
     frame_size,
 )
-
-_SYNC = rb"\x47.{%d}\x47"  # of packets in a transport stream
-# Each container that FFmpeg reads and that holds its own frames, by its first bytes.
-_CONTAINERS = re.compile(
-    rb"|".join(
-        (
-            rb".{4}(?:ftyp|moov|mdat|wide|free|skip|pnot)",  # MP4, QuickTime
-            rb"\x1a\x45\xdf\xa3",  # Matroska, WebM
-            rb"RIFF.{4}AVI ",
-            rb"OggS",
-            rb"FLV\x01",
-            rb"\x30\x26\xb2\x75\x8e\x66\xcf\x11",  # WMV
-            rb"\x00\x00\x01[\xb3\xba]",  # MPEG-1, MPEG-2
-            rb"\x06\x0e\x2b\x34",  # MXF
-            rb"DKIF",  # IVF
-            rb"YUV4MPEG2 ",
-            _SYNC % 187,  # MPEG-TS
-            rb".{4}" + _SYNC % 191,  # from a camcorder
-            rb"GIF8[79]a",
-        )
-    ),
-    re.DOTALL,
-)
-_LONGEST = 200  # bytes
-# FFmpeg never takes a file with such a suffix for an image.
-_SUFFIXES = frozenset(
-    (
-        *(".avi", ".flv", ".m2ts", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg"),
-        *(".mpg", ".mts", ".mxf", ".ogv", ".ts", ".webm", ".wmv"),
-    )
-)
-
-
-def check_is_video(file: Path) -> None:
-    """Raise a ValueError unless a file begins as a video does.
-
-    FFmpeg also reads playlists, and patterns of names of images: the frames of other files.
-    """
-    kind = Image.registered_extensions().get(file.suffix.lower())
-    if kind not in (None, "MPEG", "GIF"):
-        raise ValueError(f"{one_line(file)} is an image, not a video: give its folder")
-    if file.suffix.lower() not in _SUFFIXES and re.search(r"[%*?{\[]", file.name):
-        raise ValueError(
-            f"{one_line(file)} has a name that stands for several images: give their folder, or "
-            "rename it"
-        )
-    if not _CONTAINERS.match(content_of(file, _LONGEST)):
-        raise ValueError(
-            f"{one_line(file)} is not a video, or it is damaged: it begins as none does that has "
-            "its frames in it"
-        )
-
 
 # A note at the end of a video file, in an element that players pass over: by suffix, the bytes
 # before a text of 24 bytes.
@@ -116,19 +64,26 @@ def noted_headings(file: Path) -> int | None:
 
 
 _lock = threading.Lock()
-_redirection = threading.Lock()
 _n_quiet = 0  # contexts of `quiet` that are open, in all threads
 _level_before = 0
 _LOG_LEVEL_SILENT = 0
 
 
-def load_opencv(purpose: str) -> Any:
-    """Return the module cv2; its ImportError begins with the purpose, ``"reading a video"``.
+def load_av(purpose: str) -> Any:
+    """Return the module av; its ImportError begins with the purpose, ``"reading a video"``."""
+    try:
+        importlib.import_module("av.filter")
+        return importlib.import_module("av")
+    except ImportError as error:
+        raise ImportError(f"{purpose} needs PyAV: pip install av") from error
 
-    Its FFmpeg prints nothing, unless OpenCV read or wrote a video before, or OPENCV_FFMPEG_LOGLEVEL
-    is set.
+
+def load_opencv(purpose: str) -> Any:
+    """Return the module cv2; its ImportError begins with the purpose, ``"calibrating a lens"``.
+
+    Its FFmpeg prints nothing, unless OpenCV read a stream before, or OPENCV_FFMPEG_LOGLEVEL is set.
     """
-    # Looked at once, with the first video.
+    # Looked at once, with the first stream.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # AV_LOG_QUIET
     try:
         return importlib.import_module("cv2")
@@ -154,30 +109,17 @@ def quiet(cv2: Any) -> Iterator[None]:
                 logging.setLogLevel(_level_before)
 
 
-@contextmanager
-def discarded_stderr() -> Iterator[None]:
-    """Discard what the whole process writes to stderr: for a moment, where nothing else helps."""
-    with _redirection:  # two threads at once would restore each other's
-        try:
-            saved = os.dup(2)
-        except OSError:  # a program without a terminal may have none
-            yield
-            return
-        try:
-            with open(os.devnull, "wb") as sink:
-                os.dup2(sink.fileno(), 2)
-            yield
-        finally:
-            os.dup2(saved, 2)
-            os.close(saved)
-
-
-#: FourCC code of the codec for each file suffix.
-CODECS = {".mp4": "mp4v", ".webm": "VP80", ".mkv": "FFV1", ".avi": "FFV1"}
-LOSSLESS = "FFV1"
-_LOSSLESS_SUFFIXES = " and ".join(suffix for suffix, codec in CODECS.items() if codec == LOSSLESS)
+LOSSLESS = "ffv1"
+# Codec, format of its pixels and options, for each file suffix.
+_CODECS: dict[str, tuple[str, str, dict[str, str]]] = {
+    ".mp4": ("mpeg4", "yuv420p", {"qmin": "2", "qmax": "2", "b": "200M"}),
+    ".webm": ("libvpx", "yuv420p", {"crf": "4", "b": "200M", "cpu-used": "4"}),
+    ".mkv": (LOSSLESS, "bgr0", {"g": "1"}),  # independent frames
+    ".avi": (LOSSLESS, "bgr0", {"g": "1"}),
+}
+_LOSSLESS_SUFFIXES = " and ".join(end for end, codec in _CODECS.items() if codec[0] == LOSSLESS)
 #: Suffixes of the files that can be written, for a user.
-SUFFIXES = f"{', '.join(CODECS)}; {_LOSSLESS_SUFFIXES} are lossless."
+SUFFIXES = f"{', '.join(_CODECS)}; {_LOSSLESS_SUFFIXES} are lossless."
 
 
 class VideoWriter:
@@ -206,7 +148,7 @@ class VideoWriter:
     FileNotFoundError
         If its folder does not exist.
     ImportError
-        If OpenCV is not installed.
+        If PyAV is not installed.
     OSError
         If the file cannot be written.
     TypeError, ValueError
@@ -222,7 +164,9 @@ class VideoWriter:
     def __init__(self, path: str | PathLike[str], *, fps: float) -> None:
         self.path = as_path(path)
         self.count = 0
-        self._codec = _codec(self.path)
+        if self.path.suffix.lower() not in _CODECS:
+            known = ", ".join(_CODECS)
+            raise ValueError(f"{one_line(path)}: the name of a video must end in {known}")
         # MPEG-4 counts time in at most 65535 parts of a second.
         rate = check_float("fps", fps, "1/s", minimum=0.1, maximum=500)
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
@@ -239,10 +183,9 @@ class VideoWriter:
                 f"{one_line(self.path)}: the folder {one_line(self.path.parent)} cannot be "
                 "written to"
             )
-        self._cv2 = load_opencv("writing a video")
+        self._av = load_av("writing a video")
         self._part: PartialFile | None = None
-        self._size = (0, 0)
-        self._writer: Any = None
+        self._size: tuple[int, int] | None = None
         self._headings: set[int | None] = set()  # of the frames
         self._is_closed = False
 
@@ -256,9 +199,10 @@ class VideoWriter:
 
         Raises
         ------
+        OSError
+            If the disk is full, or the codec knows no frames of this size.
         TypeError, ValueError
-            If it has the wrong type or shape, has another size than the frames before, or has an
-            odd width or height and the codec is lossless.
+            If it has the wrong type or shape, or has another size than the frames before.
         """
         self._write("frame", frame)
 
@@ -267,60 +211,63 @@ class VideoWriter:
         if self._is_closed:
             raise ValueError(f"{one_line(self.path)} is complete: open another VideoWriter")
         pixels = frame_pixels(name, frame)
-        even = _even(pixels, self._codec)
-        if self._writer is None:
-            self._size = frame_size(pixels)
-            self._writer = self._open(frame_size(even))
-        check_same_size(f"frame {self.count}", frame_size(pixels), self._size)
-        bgr = self._cv2.cvtColor(even, self._cv2.COLOR_RGB2BGR)
-        with quiet(self._cv2):
-            self._writer.write(bgr)
+        size = frame_size(pixels)
+        check_same_size(f"frame {self.count}", size, self._size or size)
+        codec, coding, options = _CODECS[self.path.suffix.lower()]
+        if codec != LOSSLESS:  # the others need an even width and height
+            odd = [(0, n % 2) for n in pixels.shape[:2]]
+            pixels = np.pad(pixels, (*odd, (0, 0)), mode="edge")
+        shown = self._av.VideoFrame.from_ndarray(np.ascontiguousarray(pixels), format="rgb24")
+        shown.pts = self.count
+        with self._naming():
+            if self._size is None:
+                self._size = size
+                self._open(codec, options)
+                self._stream.width, self._stream.height = frame_size(pixels)
+                self._stream.pix_fmt = coding
+            self._container.mux(self._stream.encode(shown))
         self._headings.add(frame.headings if isinstance(frame, Frame) else None)
         self.count += 1
 
     def close(self) -> None:
         """Finish the file and give it its name."""
         self._is_closed = True
-        if self._writer is None:
+        part, self._part = self._part, None
+        if part is None:
             return
-        writer, part = self._writer, self._part
-        assert part is not None
-        self._writer = self._part = None
         try:
-            with quiet(self._cv2):
-                writer.release()
-                video = self._cv2.VideoCapture(str(part.path), self._cv2.CAP_FFMPEG)
-                # OpenCV does not report a full disk, and the header may claim too many frames.
-                written = sum(1 for _ in iter(video.grab, False))
-                video.release()
-            if written < self.count:  # one more if Ctrl-C came before it was counted
-                raise OSError(
-                    f"{one_line(self.path)} could not be written: the disk is full, or the "
-                    "frames are too small"
-                )
+            with self._naming():
+                self._container.mux(self._stream.encode(None))
+                self._container.close()
+                self._file.close()
             (headings,) = self._headings if len(self._headings) == 1 else (None,)
             if headings is not None:
                 note_headings(part.path, headings)
             part.commit()
         finally:
+            self._file.close()
             part.discard()
 
-    def _open(self, size: tuple[int, int]) -> Any:
-        codec = self._cv2.VideoWriter_fourcc(*self._codec)
-        part = PartialFile(self.path, suffix=self.path.suffix.lower())
-        # OpenCV prints a line for each WebM, past its log.
-        is_loud = self.path.suffix.lower() == ".webm"
-        with quiet(self._cv2), discarded_stderr() if is_loud else nullcontext():
-            writer = self._cv2.VideoWriter(
-                str(part.path), self._cv2.CAP_FFMPEG, codec, self._fps, size
-            )
-        if not writer.isOpened():
-            part.discard()
+    @contextmanager
+    def _naming(self) -> Iterator[None]:
+        """Let an error of the disk or the codec name the file."""
+        try:
+            with naming(self.path):
+                yield
+        except self._av.FFmpegError as error:
+            width, height = self._size or (0, 0)
             raise OSError(
-                f"{one_line(self.path)} cannot be written with frames of {size[0]} x {size[1]} px"
-            )
-        self._part = part
-        return writer
+                f"{one_line(self.path)} cannot be written with frames of {width} x {height} px"
+            ) from error
+
+    def _open(self, codec: str, options: Mapping[str, str]) -> None:
+        suffix = self.path.suffix.lower()
+        self._part = PartialFile(self.path, suffix=suffix)
+        self._file = self._part.path.open("wb")
+        kind = "matroska" if suffix == ".mkv" else suffix[1:]
+        self._container = self._av.open(self._file, "w", format=kind)
+        rate = Fraction(str(self._fps))
+        self._stream = self._container.add_stream(codec, rate=rate, options=options)
 
     def __enter__(self) -> VideoWriter:
         return self
@@ -354,24 +301,3 @@ def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, f
     with VideoWriter(path, fps=fps) as video:
         for index, frame in enumerate(frames):
             video._write(f"frames[{index}]", frame)
-
-
-def _codec(path: Path) -> str:
-    try:
-        return CODECS[path.suffix.lower()]
-    except KeyError:
-        known = ", ".join(CODECS)
-        raise ValueError(f"{one_line(path)}: the name of a video must end in {known}") from None
-
-
-def _even(pixels: Pixels, codec: str) -> Pixels:
-    """Return the pixels with an even width and height, which the codecs need."""
-    height, width = pixels.shape[:2]
-    if height % 2 == 0 and width % 2 == 0:
-        return pixels
-    if codec == LOSSLESS:
-        raise ValueError(
-            f"frames of {width} x {height} px do not fit into a lossless video: width and height "
-            "must be even; use .mp4 or .webm, or crop a row or column"
-        )
-    return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

@@ -1,4 +1,4 @@
-"""A video file or a folder of images, played at its own rate."""
+"""A video file or a folder of images, played at its own times."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Playback:
     def __init__(self, source: str | PathLike[str], fps: float | None) -> None:
         self._recording = Recording(source, dt=None if fps is None else 1 / fps)
         self.name = one_line(source)
-        if self._recording.dt is None:
+        if self._recording._times is None:
             raise ValueError(
                 f"fps must be given to play the folder {self.name}: its images have no times"
             )
@@ -47,7 +47,7 @@ class Playback:
                 raise CaptureError(str(error)) from error
         if self._start is None:
             self._start = time.monotonic()
-        due = self._start + self._next.index * self.dt
+        due = self._start + (self._next.t or 0.0)
         wait = due - time.monotonic()
         time.sleep(min(max(wait, 0.0), _LONGEST_WAIT))
         if wait > _LONGEST_WAIT:
