@@ -221,6 +221,21 @@ def test_from_pictures_to_a_floor(tmp_path):
     assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.4
 
 
+def test_pictures_that_cannot_be_read_are_left_out(tmp_path):
+    boards = list(board_pictures(BOARD, VIEWS, farther=1.3))
+    for number, image in enumerate(boards):
+        save_image(tmp_path / f"board{number}.png", image)
+    (tmp_path / "board1.png").write_bytes(b"")
+    save_image(tmp_path / "board3.png", boards[3][:100])
+    words = ("lens", "--board", "9x6")
+    told = rf"2 of {len(boards)}.*board1\.png.*board3\.png"
+    with pytest.warns(UserWarning, match=told):
+        result = calibrate(*words, *sorted(tmp_path.glob("board*.png")))
+    assert result.exit_code == 0, result.output
+    for sources in (["board1.png"], ["board1.png", "board1.png"]):
+        assert "board1.png" in refused(*words, *sources)
+
+
 @pytest.mark.slow
 def test_pictures_are_taken_from_a_live_camera(monkeypatch, tmp_path):
     from robsim.cli import sources

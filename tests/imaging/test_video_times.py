@@ -1,6 +1,7 @@
 """Videos of any container: frame k is picture k, at its own time."""
 
 import struct
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 
 import numpy as np
@@ -29,7 +30,7 @@ def written(path, times, codec, **options):
 
 
 def check(recording, times, numbers=None):
-    """All pictures come in their order, at their times; so they do in any order."""
+    """All pictures come in their order, at their times, and again in any order."""
     frames = list(recording)
     wanted = list(range(len(times))) if numbers is None else numbers
     assert [number_in(frame.image) for frame in frames] == wanted
@@ -179,3 +180,14 @@ def test_a_camera_plays_them_at_their_times(tmp_path):
     first = min(seen)
     for k, t in seen.items():
         assert t - seen[first] == pytest.approx(own[k] - own[first], abs=1e-6)
+
+
+def test_several_threads_read_one_recording(tmp_path):
+    recording = written(tmp_path / "run.mp4", PHONE, b_frames=2, **H264)
+
+    def read(k):
+        return [number_in(frame.image) for frame in recording], number_in(recording._at(k).image)
+
+    with ThreadPoolExecutor(4) as pool:
+        for k, (numbers, again) in enumerate(pool.map(read, range(8))):
+            assert (numbers, again) == (list(range(40)), k)

@@ -9,7 +9,7 @@ SIZE = (160, 96)  # px
 
 
 def numbered(k):
-    """A picture with the eight bits of a number as blocks, and a bar that moves with it."""
+    """A picture with the eight bits of a number as blocks, and a moving bar."""
     pixels = np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
     for bit in range(8):
         pixels[16:48, 4 + 19 * bit : 18 + 19 * bit] = 230 if k >> bit & 1 else 20

@@ -110,12 +110,13 @@ def quiet(cv2: Any) -> Iterator[None]:
 
 
 LOSSLESS = "ffv1"
+_INDEPENDENT = {"g": "1", "level": "3", "slicecrc": "1"}  # frames, with checksums
 # Codec, format of its pixels and options, for each file suffix.
 _CODECS: dict[str, tuple[str, str, dict[str, str]]] = {
     ".mp4": ("mpeg4", "yuv420p", {"qmin": "2", "qmax": "2", "b": "200M"}),
     ".webm": ("libvpx", "yuv420p", {"crf": "4", "b": "200M", "cpu-used": "4"}),
-    ".mkv": (LOSSLESS, "bgr0", {"g": "1"}),  # independent frames
-    ".avi": (LOSSLESS, "bgr0", {"g": "1"}),
+    ".mkv": (LOSSLESS, "bgr0", _INDEPENDENT),
+    ".avi": (LOSSLESS, "bgr0", _INDEPENDENT),
 }
 _LOSSLESS_SUFFIXES = " and ".join(end for end, codec in _CODECS.items() if codec[0] == LOSSLESS)
 #: Suffixes of the files that can be written, for a user.

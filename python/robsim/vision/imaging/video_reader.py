@@ -25,12 +25,10 @@ _MOST_JITTER = 0.02  # of it, by the camera
 _MOST_LOST = 1 / 3  # of the intervals; with more of them, the rate is not known
 _UNKNOWN = -(2**63)  # as a stamp
 
-_LIMIT = {"max_pixels": str(MOST_PIXELS)}
 # Only what holds its own frames: FFmpeg also reads playlists of other files and of addresses.
 _ALONE = {
     "protocol_whitelist": "file",
-    "format_whitelist": "mov,matroska,avi,ogg,flv,asf,mpeg,mpegvideo,mxf,ivf,yuv4mpegpipe,mpegts,"
-    "gif",
+    "format_whitelist": "mov,matroska,avi,ogg,flv,asf,mpeg,mpegvideo,mxf,ivf,mpegts,gif",
 }
 
 
@@ -159,7 +157,7 @@ class VideoReader:
     def _open(self) -> Iterator[tuple[Any, Any]]:
         name = f"file:{self.file.absolute()}"
         try:
-            container = self._av.open(name, options=_LIMIT, container_options=_ALONE)
+            container = self._av.open(name, container_options=_ALONE)
         except self._av.FFmpegError as error:
             raise ValueError(
                 f"{one_line(self.file)} is not a video, or it is damaged or truncated"
@@ -174,7 +172,7 @@ class VideoReader:
                 )
             codec.thread_count = 1  # more are no faster
             # A damaged picture is an error.
-            codec.options = {**_LIMIT, "err_detect": "explode"}
+            codec.options = {"err_detect": "explode", "max_pixels": str(MOST_PIXELS)}
             yield container, stream
 
 

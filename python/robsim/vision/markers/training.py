@@ -149,7 +149,7 @@ def train_markers(
     classes = None if regions is not None else _marker_classes(colors, names)
     samples = {name: _Samples(name, percentile, margin, limit_y=False) for name in names}
     missed: list[str] = []
-    for k, frame in enumerate(_frames(frames)):
+    for k, frame in _frames(frames):
         if classes is None:
             assert boxes is not None
             classes = [_class_in(frame, boxes[name], name, percentile, margin) for name in names]
@@ -336,16 +336,16 @@ def _boxes(regions: Any) -> list[Region]:
     return boxes
 
 
-def _frames(frames: Any) -> Iterable[Frame | Pixels]:
+def _frames(frames: Any) -> Iterable[tuple[int, Frame | Pixels]]:
     if isinstance(frames, (str, bytes, dict, Frame)) or not isinstance(frames, Iterable):
         raise TypeError(f"frames must be frames, such as a Recording, got {quoted(frames)}")
-    for one in frames:
+    for k, one in enumerate(getattr(frames, "_each", frames.__iter__)()):
         frame = one.frame if isinstance(one, Observation) else one
         if frame is None:
             continue  # none came in this step
         if not _is_picture(frame):
             raise TypeError(f"frames must be frames, such as a Recording, got one of {quoted(one)}")
-        yield frame
+        yield k, frame
 
 
 def _is_picture(value: Any) -> bool:
