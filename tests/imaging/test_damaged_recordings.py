@@ -63,6 +63,8 @@ def test_it_is_a_step_without_a_frame(folder):
     experiment = robsim.Experiment(robsim.Recording(folder), measure=None)
     seen = [experiment.step().frame for _ in range(8)]
     assert [frame and frame.index for frame in seen] == [0, 1, 2, None, 4, 5, 6, 7]
+    assert experiment._source.again(3) is None
+    assert experiment._source.again(4).index == 4
 
 
 def test_no_picture_is_left(tmp_path):

@@ -191,3 +191,14 @@ def test_several_threads_read_one_recording(tmp_path):
     with ThreadPoolExecutor(4) as pool:
         for k, (numbers, again) in enumerate(pool.map(read, range(8))):
             assert (numbers, again) == (list(range(40)), k)
+
+
+@pytest.mark.filterwarnings("ignore:.*ends after")  # which is where it was
+def test_of_two_frames_at_one_time_the_first_is_shown(tmp_path):
+    file = tmp_path / "run.mkv"
+    write_numbered(file, PHONE[:6], "mjpeg", pixels="yuvj420p")
+    content = bytearray(file.read_bytes())
+    at = content.rindex(b"\x81\0\x42\x80")  # a block 66 ms after the begin of its cluster
+    content[at + 2] = 33
+    file.write_bytes(content)
+    check(robsim.Recording(file), PHONE[:5])

@@ -12,7 +12,7 @@ import math
 import queue
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from os import PathLike
 from typing import Any
 
@@ -187,8 +187,10 @@ class FrameSource:
         """Return the frame of step k, read again, one thread at a time; else LookupError."""
         if (read := self._read) is None:
             raise LookupError("the frames can be read only once")
-        taken = read(k)
-        return taken.frame if isinstance(taken, Observation) else taken
+        with suppress(ValueError):  # a damaged picture
+            taken = read(k)
+            return taken.frame if isinstance(taken, Observation) else taken
+        return None
 
     @property
     def _read(self) -> Any:

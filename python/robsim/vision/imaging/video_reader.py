@@ -57,15 +57,15 @@ class VideoReader:
             is_whole = 0 < stream.frames <= n or end * self._tick >= _COMPLETE * claimed
         ends = f"ends after {end * self._tick:.3g} of {claimed:.3g} s: it is truncated or damaged"
         self.shortage = "" if is_whole else f"{one_line(file)} {ends}"
-        self.count = len(stamps)
-        self._stamps = np.sort(np.asarray(stamps))
-        is_rising = _UNKNOWN not in stamps and bool((np.diff(self._stamps) > 0).all())
-        self._is_stamped = is_rising and not is_unordered  # or frames are counted
+        is_timed = _UNKNOWN not in stamps
+        self._stamps = np.unique(np.asarray(stamps))  # of two at one time the first is shown
+        self.count = len(self._stamps if is_timed else stamps)
+        self._is_stamped = is_timed and not is_unordered  # or frames are counted
         self.headings = noted_headings(file)
         #: Time between two frames (s), None = not constant, and those of all since the first.
         self.dt: float | None = 1 / self._rate if self._rate else 0.0
         self.times = self.dt * np.arange(self.count)
-        if is_rising and self.count > 1:
+        if is_timed and self.count > 1:
             times = (self._stamps - self._stamps[0]) * self._tick
             self.dt, self.times = _regular(times, self.dt, self._tick)
 
@@ -101,15 +101,15 @@ class VideoReader:
             if start and self._is_stamped:
                 with suppress(self._av.FFmpegError):  # from the beginning
                     container.seek(int(self._stamps[start]), stream=stream)
-            index = -1
+            converter, index = self._av.video.reformatter.VideoReformatter(), -1
             for frame in self._progressive(self._decoded(container, stream), stream):
                 found = index + 1
                 if self._is_stamped:
                     stamp = round(_stamp(frame) * frame.time_base / stream.time_base)
                     found = int(np.searchsorted(self._stamps, stamp))
                 if index < found < self.count:
-                    pixels = np.rot90(frame.to_ndarray(format="rgb24"), frame.rotation // 90)
-                    yield found, np.ascontiguousarray(pixels)
+                    pixels = converter.reformat(frame, format="rgb24").to_ndarray()
+                    yield found, np.ascontiguousarray(np.rot90(pixels, frame.rotation // 90))
                     index = found
 
     def _progressive(self, frames: Iterator[Any], stream: Any) -> Iterator[Any]:
@@ -187,7 +187,7 @@ def _regular(times: Floats, dt: float, tick: float) -> tuple[float | None, Float
     k = np.append(0, intervals.cumsum())
     mean = float(times[-1] / k[-1])
     rounding = min(tick, _MOST_ROUNDING * mean) if intervals.max() > 1 else tick
-    for one in (dt, mean):
+    for one in (dt or mean, mean):
         if np.abs(times - one * k).max() <= rounding:
             return one, one * k
     is_steady = np.abs(np.diff(times) - mean * intervals).max() <= _MOST_JITTER * mean
