@@ -7,8 +7,8 @@ import math
 import os
 import re
 import threading
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from fractions import Fraction
 from os import SEEK_END, PathLike
 from pathlib import Path
@@ -171,24 +171,13 @@ class VideoWriter:
         # MPEG-4 counts time in at most 65535 parts of a second.
         rate = check_float("fps", fps, "1/s", minimum=0.1, maximum=500)
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
-        if not self.path.absolute().parent.is_dir():
-            raise FileNotFoundError(
-                f"{one_line(self.path)}: there is no folder {one_line(self.path.parent)}"
-            )
-        if self.path.is_dir():
-            raise IsADirectoryError(
-                f"{one_line(self.path)} is a folder, not a file: give another name"
-            )
-        if not os.access(self.path.absolute().parent, os.W_OK):
-            raise PermissionError(
-                f"{one_line(self.path)}: the folder {one_line(self.path.parent)} cannot be "
-                "written to"
-            )
+        folder = self.path.parent
+        if not folder.is_dir():
+            raise FileNotFoundError(f"{one_line(path)}: there is no folder {one_line(folder)}")
         self._av = load_av("writing a video")
-        self._part: PartialFile | None = None
+        self._part: PartialFile | None = PartialFile(self.path, suffix=self.path.suffix.lower())
         self._size: tuple[int, int] | None = None
         self._headings: set[int | None] = set()  # of the frames
-        self._is_closed = False
 
     def write(self, frame: Frame | Pixels) -> None:
         """Add a frame.
@@ -209,7 +198,7 @@ class VideoWriter:
 
     def _write(self, name: str, frame: Frame | Pixels) -> None:
         """Add a frame; the errors call it by the name."""
-        if self._is_closed:
+        if self._part is None:
             raise ValueError(f"{one_line(self.path)} is complete: open another VideoWriter")
         pixels = frame_pixels(name, frame)
         size = frame_size(pixels)
@@ -223,7 +212,11 @@ class VideoWriter:
         with self._naming():
             if self._size is None:
                 self._size = size
-                self._open(codec, options)
+                self._file = self._part.path.open("wb")
+                kind = "matroska" if self.path.suffix.lower() == ".mkv" else self.path.suffix[1:]
+                self._container = self._av.open(self._file, "w", format=kind.lower())
+                rate = Fraction(str(self._fps))
+                self._stream = self._container.add_stream(codec, rate=rate, options=options)
                 self._stream.width, self._stream.height = frame_size(pixels)
                 self._stream.pix_fmt = coding
             self._container.mux(self._stream.encode(shown))
@@ -232,9 +225,11 @@ class VideoWriter:
 
     def close(self) -> None:
         """Finish the file and give it its name."""
-        self._is_closed = True
         part, self._part = self._part, None
         if part is None:
+            return
+        if self._size is None:
+            part.discard()
             return
         try:
             with self._naming():
@@ -246,7 +241,8 @@ class VideoWriter:
                 note_headings(part.path, headings)
             part.commit()
         finally:
-            self._file.close()
+            with suppress(OSError):  # of a full disk, once more
+                self._file.close()
             part.discard()
 
     @contextmanager
@@ -260,15 +256,6 @@ class VideoWriter:
             raise OSError(
                 f"{one_line(self.path)} cannot be written with frames of {width} x {height} px"
             ) from error
-
-    def _open(self, codec: str, options: Mapping[str, str]) -> None:
-        suffix = self.path.suffix.lower()
-        self._part = PartialFile(self.path, suffix=suffix)
-        self._file = self._part.path.open("wb")
-        kind = "matroska" if suffix == ".mkv" else suffix[1:]
-        self._container = self._av.open(self._file, "w", format=kind)
-        rate = Fraction(str(self._fps))
-        self._stream = self._container.add_stream(codec, rate=rate, options=options)
 
     def __enter__(self) -> VideoWriter:
         return self
