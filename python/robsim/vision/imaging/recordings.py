@@ -162,12 +162,12 @@ class Recording:
 
     def _each(self) -> Iterator[Frame | Observation]:
         """Yield a step for each picture, without a frame for one that cannot be read."""
-        unread: list[ValueError] = []
+        unread: list[ValueError | None] = []
         for index, pixels in enumerate(self._images.read()):
             try:
                 frame = self._frame(index, pixels)
             except ValueError as error:
-                unread.append(error)
+                unread.append(error if len(unread) < _MOST_NAMED else None)
                 yield Observation(t=self._time(index))
             else:
                 yield frame
@@ -204,7 +204,7 @@ class Recording:
         return frame_size(first)
 
 
-def left_out(unread: Sequence[ValueError], count: int) -> str:
+def left_out(unread: Sequence[ValueError | None], count: int) -> str:
     """Return how many of the pictures could not be used, and why, as a sentence; maybe empty."""
     named = "; ".join(map(str, unread[:_MOST_NAMED])) + "; ..." * (len(unread) > _MOST_NAMED)
     return f"{len(unread)} of {count} pictures are left out: {named}" if unread else ""

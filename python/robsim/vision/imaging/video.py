@@ -241,7 +241,7 @@ class VideoWriter:
                 note_headings(part.path, headings)
             part.commit()
         finally:
-            with suppress(OSError):  # of a full disk, once more
+            with suppress(OSError):  # a full disk
                 self._file.close()
             part.discard()
 

@@ -132,18 +132,18 @@ class VideoReader:
         """Yield frames, but no grey ones: a damaged key frame, and frames that depend on it."""
         is_ffv1 = stream.codec_context.name == "ffv1"  # each frame depends on the previous one
         has_sums = False
-        damaged, first = set(), -math.inf  # stamps: damaged, first after grey frames
+        damaged, first = set[int](), -math.inf  # stamps: damaged, first after grey frames
         for packet in self._packets(container, stream):
             stamp, frames = _stamp(packet), None
             if packet.is_keyframe and first == math.inf:
                 first = stamp
             is_sound = is_ffv1 and _is_sound(packet)
-            has_sums |= is_sound
+            has_sums |= is_sound and packet.size > 0  # the last one is empty
             if is_sound or not has_sums:
                 with suppress(self._av.FFmpegError):
                     frames = packet.decode()
             if frames is None:
-                damaged.add(stamp)  # a decoder may still give it
+                damaged |= {stamp} - {_UNKNOWN}  # a decoder may still give it
                 first = math.inf if packet.is_keyframe or is_ffv1 else first
             for one in frames or ():
                 if _stamp(one) >= first and _stamp(one) not in damaged:
