@@ -118,9 +118,8 @@ _CODECS: dict[str, tuple[str, str, dict[str, str]]] = {
     ".mkv": (LOSSLESS, "bgr0", _INDEPENDENT),
     ".avi": (LOSSLESS, "bgr0", _INDEPENDENT),
 }
-_LOSSLESS_SUFFIXES = " and ".join(end for end, codec in _CODECS.items() if codec[0] == LOSSLESS)
 #: Suffixes of the files that can be written, for a user.
-SUFFIXES = f"{', '.join(_CODECS)}; {_LOSSLESS_SUFFIXES} are lossless."
+SUFFIXES = f"{', '.join(_CODECS)}; .mkv and .avi are lossless."
 
 
 class VideoWriter:

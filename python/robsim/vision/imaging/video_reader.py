@@ -28,7 +28,8 @@ _UNKNOWN = -(2**63)  # as a stamp
 # Only what holds its own frames: FFmpeg also reads playlists of other files and of addresses.
 _ALONE = {
     "protocol_whitelist": "file",
-    "format_whitelist": "mov,matroska,avi,ogg,flv,asf,mpeg,mpegvideo,mxf,ivf,mpegts,gif",
+    "format_whitelist": "mov,matroska,avi,ogg,flv,asf,mpeg,mpegvideo,mpegts,mxf,ivf,gif,"
+    "yuv4mpegpipe",
 }
 
 
