@@ -42,7 +42,7 @@ class VideoReader:
         if file.suffix.lower() in image_suffixes() - {".gif"}:
             raise ValueError(f"{one_line(file)} is an image, not a video: give its folder")
         content_of(file, 1)  # a regular file
-        stamps, n, end = array("q"), 0, 0
+        stamps, n, end, has_keys = array("q"), 0, 0, False
         with self._open() as (container, stream):
             self._tick, self._rate = float(stream.time_base), float(stream.average_rate or 0)
             claimed = stream.frames / self._rate if self._rate else 0.0
@@ -50,6 +50,7 @@ class VideoReader:
                 claimed = max(claimed, (container.duration or 0) / self._av.time_base)
             for packet in filter(lambda one: one.size, self._packets(container, stream)):
                 n += 1
+                has_keys |= packet.is_keyframe
                 end = max(end, _stamp(packet) + (packet.duration or 0))
                 if not packet.is_discard:  # hidden by an edit list
                     stamps.append(_stamp(packet))
@@ -61,6 +62,7 @@ class VideoReader:
         is_timed = _UNKNOWN not in stamps
         self._stamps = np.unique(np.asarray(stamps))  # of two at one time the first is shown
         self.count = len(self._stamps if is_timed else stamps)
+        self._first = math.inf if has_keys else -math.inf  # stamp of the first frame to show
         self._is_stamped = is_timed and not is_unordered  # or frames are counted
         self.headings = noted_headings(file)
         #: Time between two frames (s), None = not constant, and those of all since the first.
@@ -133,7 +135,7 @@ class VideoReader:
         """Yield frames, but no grey ones: a damaged key frame, and frames that depend on it."""
         is_ffv1 = stream.codec_context.name == "ffv1"  # each frame depends on the previous one
         has_sums = False
-        damaged, first = set[int](), -math.inf  # stamps: damaged, first after grey frames
+        damaged, first = set[int](), self._first  # stamps; a cut file and a seek begin with grey
         for packet in self._packets(container, stream):
             stamp, frames = _stamp(packet), None
             if packet.is_keyframe and first == math.inf:
