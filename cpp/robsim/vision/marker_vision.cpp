@@ -212,7 +212,11 @@ void refine(Detection& detection, const ImageView& image, const PlaneMap& map, i
   } else {
     weigh(measurement, markers, image, map);
     // What the outlines do not explain, the centroids feel, too.
-    if (fit && measurement.covariance) *measurement.covariance *= std::max(1.0, fit->misfit);
+    if (fit && measurement.covariance) {
+      *measurement.covariance *= std::max(1.0, fit->misfit);
+      if (fit->has_converged)
+        add_doubt(measurement.pose, fit->pose, 1, *measurement.covariance, measurement.misfit);
+    }
   }
   add_drawing(measurement, map, headings);
   if (measurement.signal_to_noise < least_signal_to_noise) {

@@ -4,14 +4,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "robsim/base/elementary/elementary.hpp"
 #include "robsim/vision/fit/edge_fit.hpp"
+#include "robsim/vision/fit/hidden_edge.hpp"
 #include "robsim/vision/fit/light_step.hpp"
 
 namespace robsim {
+
+void add_doubt(const Pose& pose, const Pose& other, double share, PoseCovariance& covariance,
+               double& misfit) {
+  const Eigen::Vector3d shift(other.x - pose.x, other.y - pose.y,
+                              wrap_angle(other.heading - pose.heading));
+  const Eigen::Array3d before = covariance.diagonal();
+  covariance += share * shift * shift.transpose();
+  misfit *= (covariance.diagonal().array() / before).maxCoeff();
+}
 
 namespace {
 
@@ -46,6 +57,26 @@ constexpr double visible = 0.05;          // residuals above which it pays: shar
 constexpr double clearly_better = 0.8;    // ratio of residuals with weights to those without
 constexpr double picture_error = 0.008;   // frame px a marker: pictures are not drawn more exactly
 
+// Measured on squares without blur, in frames of 480 and 1200 px (frame px).
+constexpr double grid_error = 0.12;
+constexpr double sharp_blur = 0.46, no_blur = 0.56;  // where it is that, and 0
+constexpr double least_alike = 3;                    // how much of a side must be alike
+constexpr double strong_noise = 0.12;  // share of the contrast: it hides the blur, and this error
+
+// A hidden edge, and how sure it must be, in squared standard deviations.
+constexpr double edge_error = 0.02;      // frame px: pictures of an edge are not more exact
+constexpr double usual_share = 0.17;     // of all squares of a marker, those of such an edge
+constexpr double least_share = 0.08;     // the same: no mere corner
+constexpr double first_evidence = 6;     // if all else were known
+constexpr double certain_evidence = 20;  // chance gives more in 1 of 10 000 frames
+
+// The robot's pose if the edge is hidden.
+struct HiddenEdge {
+  std::size_t marker, direction;
+  double evidence;
+  Pose pose;
+};
+
 struct Unknowns {
   Pose pose;
   double log_blur = 0;  // from the usual one
@@ -75,8 +106,11 @@ class Fit {
       in_two_lights.divide_by_light();
       if (in_two_lights.iterate(most_robust_steps)) {
         const double left = in_two_lights.misfit();
-        if (left - 1 <= mostly_explained * (factor - 1))
-          return in_two_lights.result_without_hidden_pixels(left);
+        if (left - 1 <= mostly_explained * (factor - 1)) {
+          auto fit = in_two_lights.result_without_hidden_pixels(left);
+          if (fit) doubt(*fit, factor);
+          return fit;
+        }
       }
       light_steps_ = {};
     }
@@ -136,6 +170,7 @@ class Fit {
       gather(image_, map_, *shapes_[k], gathered_, ring, parts_[k].pixels);
       if (parts_[k].pixels.count == 0) return false;
     }
+    if (without_) leave_out(without_->direction, parts_[without_->marker].pixels);
     divide_by_light();
     return true;
   }
@@ -201,7 +236,7 @@ class Fit {
   }
 
   // The normal equations where the fit is: information N and gradient g. False without an edge.
-  bool linearize(Step& gradient) {
+  bool linearize() {
     const double growth = growth_spread / scale();
     Step precision;
     precision << 0, 0, 0, 1 / (blur_spread * blur_spread), 1 / (apart_spread * apart_spread),
@@ -209,7 +244,7 @@ class Fit {
     Step deviation;
     deviation << 0, 0, 0, at_.log_blur, at_.apart, at_.growth;
     information_ = precision.asDiagonal();
-    gradient = -precision.cwiseProduct(deviation);
+    gradient_ = -precision.cwiseProduct(deviation);
     signal_ = 0;
     if (!update_parts()) return false;
     for (const EdgeFit& part : parts_) {
@@ -220,7 +255,7 @@ class Fit {
           part.sums.gradient.data());
       // N = sum_k gain^2/v J'D'PD J,  g = sum_k gain/v J'D'P z
       information_ += part.precision() * (j.transpose() * sums * j);
-      gradient += part.weights.gain / part.variance * (j.transpose() * residuals);
+      gradient_ += part.weights.gain / part.variance * (j.transpose() * residuals);
       signal_ += part.precision() * part.sums.slope;
     }
     return true;
@@ -231,15 +266,14 @@ class Fit {
     for (int i = 0; i < steps || (!is_blur_found && i < most_blur_steps); ++i) {
       if (i > 0 && is_out_of_date() && !gather_edges()) return false;
       if (is_robust_ && !weigh_pixels()) return false;
-      Step gradient;
-      if (!linearize(gradient)) return false;
+      if (!linearize()) return false;
       const Eigen::LLT<Information> decomposition(information_);
       if (decomposition.info() != Eigen::Success) return false;
-      Step step = decomposition.solve(gradient);
+      Step step = decomposition.solve(gradient_);
       const double length = scale() * displacement(step[0], step[1], step[2]);  // frame px
       if (!std::isfinite(length)) return false;
       // The step in standard deviations: s^2 = g' N^-1 g
-      const bool is_negligible = gradient.dot(step) < negligible * negligible;
+      const bool is_negligible = gradient_.dot(step) < negligible * negligible;
       has_converged_ = length < converged_step || is_negligible;
       if (length > longest_step) step *= longest_step / length;
       take(step);
@@ -301,7 +335,88 @@ class Fit {
     const double second_order = 1.05 + 15 / (fit.signal_to_noise * fit.signal_to_noise);
     fit.covariance = factor * second_order * all.topLeftCorner<3, 3>() + picture_covariance(factor);
     if (!fit.covariance.allFinite()) return std::nullopt;
+    spread(hidden_edges(factor), fit);
     return fit;
+  }
+
+  // Method: score tests (Rao, 1948) of edges that are moved inwards.
+  std::vector<HiddenEdge> hidden_edges(double factor) const {
+    std::vector<HiddenEdge> found;
+    for (std::size_t marker = 0; marker < 2; ++marker) {
+      std::array<double, hidden_directions> scores{};
+      double squares = 0;  // of all edges
+      for (const EdgeFit& part : parts_) {
+        if (part.marker != marker) continue;
+        const auto of_part = scores_of_hidden_edges(part);
+        // dq = -size/blur
+        for (std::size_t k = 0; k < hidden_directions; ++k)
+          scores[k] -= part.weights.gain / part.variance * of_part[k] / at_.blur();
+        squares += part.precision() * part.sums.slope / (at_.blur() * at_.blur());
+      }
+      const double usual = usual_share * squares;
+      const double noise = usual * (factor + edge_error * edge_error * usual);
+      for (std::size_t k = 0; k < hidden_directions; ++k) {
+        if (scores[k] < 0 || scores[k] * scores[k] < first_evidence * noise) continue;
+        const HiddenEdge edge = hidden_edge(marker, k, scores[k], least_share * squares, factor);
+        if (edge.evidence > certain_evidence) found.push_back(edge);
+      }
+    }
+    return found;
+  }
+
+  HiddenEdge hidden_edge(std::size_t marker, std::size_t direction, double score, double least,
+                         double factor) const {
+    double squares = 0, all = 0;
+    Step cross = Step::Zero();
+    for (const EdgeFit& part : parts_) {
+      if (part.marker != marker) continue;
+      const HiddenEdgeSums sums = sums_of_hidden_edge(part, direction);
+      const Eigen::Map<const Eigen::Matrix<double, parameters, 1>> of_part(sums.cross.data());
+      const double precision = part.precision() / at_.blur();
+      squares += precision * sums.squares / at_.blur();
+      all += precision * sums.information / at_.blur();
+      cross -= precision * (jacobian(part).transpose() * of_part);
+    }
+    // size = h'Pz / h'Ph,  P the projection off all unknowns
+    const Step along = information_.llt().solve(cross);
+    const double information = all - cross.dot(along);
+    const double size = (score - along.dot(gradient_)) / information;
+    const double variance = factor / information + edge_error * edge_error;
+    const bool is_edge = size > 0 && squares > least;
+    return {marker,
+            direction,
+            is_edge ? size * size / variance : 0,
+            {at_.pose.x - size * along[0], at_.pose.y - size * along[1],
+             at_.pose.heading - size * along[2]}};
+  }
+
+  // All possible poses take part in the covariance, by their evidence.
+  static void spread(const std::vector<HiddenEdge>& edges, PoseFit& fit) {
+    double most = -std::numeric_limits<double>::infinity(), all = 0;
+    for (const HiddenEdge& edge : edges) most = std::max(most, edge.evidence);
+    for (const HiddenEdge& edge : edges) all += elementary::exp((edge.evidence - most) / 2);
+    for (const HiddenEdge& edge : edges) {
+      const double share = elementary::exp((edge.evidence - most) / 2) / all;
+      add_doubt(fit.pose, edge.pose, share, fit.covariance, fit.misfit);
+    }
+  }
+
+  // A step of light may be at a hidden edge, or at another one that this moves from its place. Fits
+  // without one edge each decide.
+  void doubt(PoseFit& fit, double factor) {
+    light_steps_ = {};
+    std::vector<HiddenEdge> ways;
+    for (HiddenEdge edge : hidden_edges(factor)) {
+      Fit way = *this;
+      way.without_ = edge;
+      if (!way.gather_edges() || !way.iterate(most_robust_steps)) continue;
+      // An eighth of the pixels count: neighbours are alike, and strips hide ends of other sides.
+      edge.evidence =
+          parts_[edge.marker].pixels.count / 8.0 * elementary::log(way.least_precision());
+      edge.pose = way.at_.pose;
+      ways.push_back(edge);
+    }
+    spread(ways, fit);
   }
 
   // Of places of the markers that are each as wrong as pictures are drawn, or as what the fit
@@ -317,8 +432,37 @@ class Fit {
       sum += j.transpose() * j;
     }
     const double left = (1 - 1 / factor) / least_precision();
-    const double variance = picture_error * picture_error + left * at_.blur() * at_.blur();
+    const double variance =
+        picture_error * picture_error + left * at_.blur() * at_.blur() + grid_variance();
     return variance / (scale() * scale()) * sum.inverse();
+  }
+
+  // Of the place of a marker (frame px^2) whose sides lie along rows or columns in a picture
+  // without blur: all pixels of such a side are wrong alike, as the model's step is no ramp of a
+  // pixel.
+  double grid_variance() const {
+    const double sharpness = std::min((no_blur - at_.blur()) / (no_blur - sharp_blur), 1.0);
+    if (sharpness <= 0 || largest_residual() > strong_noise) return 0;
+    const auto [sin, cos] = elementary::sin_cos(at_.pose.heading);
+    double most = 0;
+    for (const MarkerShape* shape : shapes_) {
+      Polygon seen;
+      for (const Point& at : shape->polygon())
+        seen.push_back(map_.to_pixel(
+            {at_.pose.x + at.x * cos - at.y * sin, at_.pose.y + at.x * sin + at.y * cos}));
+      double squares = 0, all = 0;
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        const Point& to = seen[(i + 1) % seen.size()];
+        const double across = std::fabs(to.x - seen[i].x), down = std::fabs(to.y - seen[i].y);
+        const double length = elementary::hypot(across, down);
+        const double alike = length / std::max(1.0, pi * std::min(across, down));
+        if (alike > least_alike) squares += alike * alike;
+        all += length;
+      }
+      // place = 2 sum n error length / all, half of whose variance is in x, half in y
+      most = std::max(most, 2 * squares / (all * all));
+    }
+    return most * (grid_error * sharpness) * (grid_error * sharpness);
   }
 
   const ImageView& image_;
@@ -331,7 +475,9 @@ class Fit {
   Pose gathered_;
   Unknowns at_;
   bool is_robust_ = false;
+  std::optional<HiddenEdge> without_;  // the edge whose pixels are left out
   Information information_;
+  Step gradient_;
   double signal_ = 0;
   bool has_converged_ = false;
 };

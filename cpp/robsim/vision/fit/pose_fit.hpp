@@ -21,6 +21,11 @@ struct PoseFit {
   double moved = 0;  // frame px from the start: the marker that moved further
 };
 
+/// Adds to the covariance of a pose that it may be another, with the probability `share`. The
+/// misfit grows as the variance that grows most.
+void add_doubt(const Pose& pose, const Pose& other, double share, PoseCovariance& covariance,
+               double& misfit);
+
 /// Fits the pose of a robot to the edges of its two markers: weighted least squares over the RGB
 /// pixels around the outlines, by Gauss and Newton. Level and contrast of each marker and channel
 /// are free, and so are the blur and, within limits, the distance of the markers and their size: a
@@ -29,7 +34,8 @@ struct PoseFit {
 /// line have levels and contrasts of their own. Where what is left is still not like noise, pixels
 /// that do not fit count less. Nothing if an edge is not in the picture.
 /// Error propagation: the inverse of the information of the pixels, times the misfit and a factor
-/// for the second order in the noise.
+/// for the second order in the noise. Where the residuals show that an edge may be hidden, the
+/// poses of all such edges take part in the covariance, and the misfit grows.
 std::optional<PoseFit> fit_pose(const ImageView& image, const PlaneMap& map,
                                 const MarkerShape& first, const MarkerShape& second,
                                 const Pose& start);
