@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from photographed_sheets import Shot, photograph, true_pixels
+from photographed_sheets import FLOOR, VIEWS, Shot, board_pictures, photograph, true_pixels
 from robsim.lab import Charuco, Chessboard, FloorSheet, find_sheets, save_sheet
 
-pytest.importorskip("cv2")
+cv2 = pytest.importorskip("cv2")
 
 MM = 72 / 25.4
 NEAR = Shot(turn=(0.3, -0.2, 0.1), place=(10.0, -5.0, 620.0))
@@ -96,6 +96,29 @@ def test_the_marks_of_floor_sheets_are_found_to_a_twentieth_of_a_pixel():
         assert len(errors) == 24
         assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.1
         assert np.abs(errors.mean(axis=0)).max() < 0.05
+
+
+def in_the_dark(picture, rng):
+    """The picture of a lit sheet in a dark room, its right half brighter, blurred, with noise."""
+    light = np.where(np.abs(picture[..., 0] - float(FLOOR)) < 12, 12.0, picture[..., 0])
+    light *= np.linspace(0.25, 0.7, light.shape[1])
+    light = cv2.GaussianBlur(light, (0, 0), 1.0) + 3 * rng.standard_normal(light.shape)
+    return np.repeat(np.clip(light, 0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
+
+
+def test_a_whole_board_is_found_in_the_dark():
+    rng = np.random.default_rng(3)
+    board = Chessboard(9, 6, 20)
+    for picture in board_pictures(board, VIEWS[:4], rng=rng, farther=1.5):
+        found = board.find(in_the_dark(picture, rng))
+        assert found is not None
+        assert len(found.pixels) == 54
+
+
+def test_a_board_of_another_size_is_not_found():
+    picture = photograph(NEAR, [(Chessboard(9, 6, 20), (0, 0, 0))])
+    for size in ((8, 6), (9, 5), (8, 5), (10, 6), (9, 7), (10, 7)):
+        assert Chessboard(*size, 20).find(picture) is None, size
 
 
 def test_no_board_is_found_where_there_is_none():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,6 +23,9 @@ from robsim.vision.imaging.video import load_opencv
 
 _LARGEST = 50  # corners or squares along a side
 _FEWEST = 6  # corners of a ChArUco board that tell its pose
+_SMALL = 2**20  # px of a picture that may be enlarged.
+_MOST_BEND = 0.5  # of a step between corners.
+_LEAST_CONTRAST = 0.1  # of neighbouring squares, of the median.
 _BITS = 5  # cells along a mark of a ChArUco board, without its border
 
 
@@ -77,16 +81,75 @@ class Chessboard:
         """
         cv2 = load_opencv(PURPOSE)
         gray = gray_of(image)
-        size = (self.columns, self.rows)
-        found, pixels = cv2.findChessboardCornersSB(gray, size, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
-        if not found:
+        grids = (self._refined(cv2, gray, about) for about in self._tries(cv2, gray))
+        grid = next((one for one in grids if one is not None), None)
+        if grid is None:
             return None
-        grid = np.asarray(pixels, float).reshape(self.rows, self.columns, 2)
-        sides = [np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1)]
-        pixels = _saddle_points(cv2, gray, pixels, 0.3 * min(sides))
         rows, columns = np.mgrid[1 : self.rows + 1, 1 : self.columns + 1]
         positions = self.square * np.stack([columns, rows], axis=-1).reshape(-1, 2)
-        return Corners(positions.astype(float), pixels)
+        return Corners(positions.astype(float), grid.reshape(-1, 2))
+
+    def _tries(self, cv2: Any, gray: Pixels) -> Iterator[Floats]:
+        """Yield about where detectors have the corners; none of them finds all boards."""
+        size = (self.columns, self.rows)
+        normalize, adaptive = cv2.CALIB_CB_NORMALIZE_IMAGE, cv2.CALIB_CB_ADAPTIVE_THRESH
+        for flags in (normalize, 0):
+            found, pixels = cv2.findChessboardCornersSB(gray, size, flags=flags)
+            if found:
+                yield np.asarray(pixels, float)
+        for scale in (1, 2) if gray.size <= _SMALL else (1,):
+            scaled = cv2.resize(gray, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
+            flags = adaptive | (normalize if scale > 1 else 0)
+            found, pixels = cv2.findChessboardCorners(scaled, size, flags=flags)
+            if found:
+                yield (np.asarray(pixels, float) + 0.5) / scale - 0.5
+
+    def _refined(self, cv2: Any, gray: Pixels, about: Floats) -> Floats | None:
+        """Return the corners (rows, columns, 2); None if no board of this size is there."""
+        raw = about.reshape(self.rows, self.columns, 2)
+        fine = _saddle_points(cv2, gray, about, 0.5 * _shortest(raw)).reshape(raw.shape)
+        even = (one for one in (fine, raw) if _is_even(one))  # noise may lead the fine ones astray
+        return next((one for one in even if _has_squares(cv2, gray, one)), None)
+
+
+def _shortest(grid: Floats) -> float:
+    return min(float(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min()) for axis in (0, 1))
+
+
+def _is_even(grid: Floats) -> bool:
+    """Return whether corners (R, C, 2) follow each other evenly, but for perspective and lens."""
+    for axis in (0, 1):
+        steps = np.diff(grid, axis=axis)
+        lengths = np.linalg.norm(steps, axis=2)
+        before, after = (np.delete(lengths, end, axis=axis) for end in (-1, 0))
+        bends = np.linalg.norm(np.diff(steps, axis=axis), axis=2)
+        if (bends > _MOST_BEND * np.minimum(before, after)).any():
+            return False
+    return True
+
+
+def _has_squares(cv2: Any, gray: Pixels, grid: Floats) -> bool:
+    """Return whether black and white alternate between corners (R, C, 2), and around, but no more.
+
+    If they alternate a square farther, this is a part of a larger board.
+    """
+    around = np.pad(grid, ((2, 2), (2, 2), (0, 0)), mode="reflect", reflect_type="odd")
+    pairs = around[:-1] + around[1:]
+    middles = ((pairs[:, :-1] + pairs[:, 1:]) / 4).astype(np.float32)
+    width = max(int(_shortest(grid) / 4), 1)
+    smooth = cv2.blur(gray, (width, width)).astype(np.float32)
+    levels = cv2.remap(smooth, middles, None, cv2.INTER_LINEAR, borderValue=np.nan)
+    levels[np.indices(levels.shape).sum(axis=0) % 2 == 1] *= -1
+    inner = levels[1:-1, 1:-1]
+    # a + b, as every second level is negated: differences of neighbours, of one sign
+    steps = np.concatenate(
+        [(inner[1:] + inner[:-1]).ravel(), (inner[:, 1:] + inner[:, :-1]).ravel()]
+    )
+    contrast = float(np.nanmedian(steps))
+    beyond = (levels[0], levels[-1], levels[:, 0], levels[:, -1])
+    farther = [(line[1:-2] + line[2:-1]) / contrast for line in beyond]
+    is_larger = any((line > 0.5).all() for line in farther)  # NaN, outside the picture, is not
+    return bool(np.nanmin(steps / contrast) > _LEAST_CONTRAST) and not is_larger
 
 
 @dataclass(frozen=True)
