@@ -2,6 +2,7 @@
 
 import re
 import tracemalloc
+import warnings
 import zlib
 
 import numpy as np
@@ -15,6 +16,7 @@ import robsim
 from refusals import IMAGE, refuses
 from robsim import Frame, _core, find_blobs
 from robsim.vision import load_image, rgb_to_yuv
+from robsim.vision.imaging import images
 
 # --- files
 
@@ -46,12 +48,35 @@ def test_a_lossless_picture_is_read_as_it_was_written(pixels, tmp_path):
         np.testing.assert_array_equal(load_image(tmp_path / f"a.{kind}"), pixels)
 
 
-def test_a_photo_is_turned_as_its_camera_says(pixels, tmp_path):
+@pytest.mark.parametrize("orientation", [3, 6])
+def test_a_photo_is_read_as_it_lies_on_the_sensor(pixels, tmp_path, orientation):
     exif = Image.Exif()
-    for orientation, turned in ((1, pixels), (3, pixels[::-1, ::-1]), (6, np.rot90(pixels, -1))):
-        exif[0x0112] = orientation
-        Image.fromarray(pixels).save(tmp_path / "photo.png", exif=exif)
-        np.testing.assert_array_equal(load_image(tmp_path / "photo.png"), turned)
+    exif[0x0112] = orientation
+    Image.fromarray(pixels).save(tmp_path / "photo.png", exif=exif)
+    with pytest.raises(UserWarning, match="EXIF"):  # as all warnings here
+        load_image(tmp_path / "photo.png")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        np.testing.assert_array_equal(load_image(tmp_path / "photo.png"), pixels)
+    images._tell_of_turn.cache_clear()
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_twelve_bits_in_sixteen_are_noticed(tmp_path, channels):
+    cv2 = pytest.importorskip("cv2")
+    values = np.tile(np.linspace(0, 4095, 64).astype(np.uint16), (8, 1))
+    cv2.imwrite(str(tmp_path / "deep.png"), np.dstack([values] * channels))
+    with pytest.raises(UserWarning, match=r"deep\.png is nearly black"):
+        load_image(tmp_path / "deep.png")
+    cv2.imwrite(str(tmp_path / "deep.png"), np.dstack([values * 16] * channels))
+    assert load_image(tmp_path / "deep.png").max() >= 254
+
+
+def test_a_photo_that_phones_take_is_to_be_exported(tmp_path):
+    (tmp_path / "IMG_1.HEIC").write_bytes(b"\0\0\0\x24ftypheic\0\0\0\0mif1heic")
+    for read in (load_image, robsim.Recording):
+        with pytest.raises(ValueError, match=r"IMG_1\.HEIC .* export it as JPEG"):
+            read(tmp_path / ("IMG_1.HEIC" if read is load_image else ""))
 
 
 def test_sixteen_bits_become_eight(tmp_path):

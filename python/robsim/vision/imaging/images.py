@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Iterable
+from functools import cache
 from itertools import product
 from os import PathLike
 from pathlib import Path
@@ -12,24 +13,30 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image, UnidentifiedImageError
 
 from robsim._core import Frame
 from robsim.base.checks import check_choice
 from robsim.base.files import as_path, open_file, write_whole
 from robsim.base.text import cut, one_line, quoted
+from robsim.base.warn import warn_user
 
 Pixels = NDArray[np.uint8]
 _WHITE = 65535  # of an image with 16 bits per pixel
+_DARK = 16  # the white of 12 bits in 16 is below it
 #: Limit of a picture, and of the frames of a video (px).
 MOST_PIXELS = 2**26
 _TILE = 512  # px
 # Formats that Pillow registers but cannot decode, or leaves to other programs.
 _FOREIGN = {"BUFR", "EPS", "FPX", "GRIB", "HDF5", "MIC", "MPEG", "WMF"}
+HEIC = ".heic", ".heif"  # which no decoder here reads
+_ORIENTATION = 0x0112  # the number of EXIF's tag
 
 
 def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
-    """Read an image file, rotated as its EXIF orientation says.
+    """Read an image file, its pixels as they lie on the sensor.
+
+    A camera's live frames lie so, too. An EXIF orientation turns nothing.
 
     Parameters
     ----------
@@ -49,6 +56,11 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
         If there is no such file.
     ValueError
         If the file is not an image, is damaged, or is too large.
+
+    Warns
+    -----
+    UserWarning
+        Once, if viewers turn a picture by its EXIF orientation. If a picture of 16 bits holds few.
     """
     check_choice("mode", mode, ("RGB", "RGBA"))
     with open_file(as_path(path)) as file, warnings.catch_warnings():
@@ -62,9 +74,12 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
         with Image.open(file, formats=_formats()) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise Image.DecompressionBombError
-            ImageOps.exif_transpose(image, in_place=True)
-            return pixels_of(image, mode)
+            is_deep = ";16" in f"{image.mode} {image.tile}"  # reading EXIF forgets it
+            is_turned = image.getexif().get(_ORIENTATION, 1) != 1
+            pixels = pixels_of(image, mode)
     except UnidentifiedImageError as error:
+        if name.lower().endswith(HEIC):
+            raise ValueError(f"{name} is a HEIC picture: export it as JPEG") from error
         raise ValueError(f"{name} is not in an image format of Pillow, such as PNG") from error
     except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise ValueError(f"{name} has too many pixels: at most {MOST_PIXELS} are read") from error
@@ -72,6 +87,16 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
         raise ValueError(f"{name} cannot be read: there is not enough memory") from error
     except Exception as error:  # Pillow's decoders raise many types
         raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
+    if is_turned:
+        _tell_of_turn()
+    if is_deep and 0 < pixels[..., :3].max() < _DARK:
+        warn_user(f"{name} is nearly black: are 12 bits in its 16? Then multiply its values by 16")
+    return pixels
+
+
+@cache
+def _tell_of_turn() -> None:
+    warn_user("pictures that viewers turn by EXIF orientation are read as they lie on the sensor")
 
 
 def pixels_of(image: Image.Image, mode: str | None = None) -> Pixels:
@@ -92,9 +117,12 @@ def _formats() -> list[str]:
 
 
 def image_suffixes() -> set[str]:
-    """Return the suffixes of the files that `load_image` reads."""
+    """Return the suffixes of the files that `load_image` reads, and of those to be exported."""
     formats = _formats()
-    return {end for end, kind in Image.registered_extensions().items() if kind in formats}
+    return {
+        *HEIC,
+        *(end for end, kind in Image.registered_extensions().items() if kind in formats),
+    }
 
 
 def _eight_bits(image: Image.Image) -> Image.Image:
