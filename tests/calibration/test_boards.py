@@ -7,6 +7,7 @@ import pytest
 
 from photographed_sheets import FLOOR, VIEWS, Shot, board_pictures, photograph, true_pixels
 from robsim.lab import Charuco, Chessboard, FloorSheet, find_sheets, save_sheet
+from robsim.lab.calibration.patterns.unseen import why_unseen
 
 cv2 = pytest.importorskip("cv2")
 
@@ -119,6 +120,51 @@ def test_a_board_of_another_size_is_not_found():
     picture = photograph(NEAR, [(Chessboard(9, 6, 20), (0, 0, 0))])
     for size in ((8, 6), (9, 5), (8, 5), (10, 6), (9, 7), (10, 7)):
         assert Chessboard(*size, 20).find(picture) is None, size
+
+
+HELD = Chessboard(9, 6, 20)
+
+
+def held(*view):
+    return next(board_pictures(HELD, [view]))
+
+
+def covered(level, spread):
+    """A board with a patch of a level in its middle, soft at its border."""
+    picture = held(0.5, 0.5, 450, 0.0, 0.5).astype(float)
+    v, u = np.indices(picture.shape[:2])
+    patch = np.clip(3 - np.hypot(u - 320, v - 240) / spread, 0, 1)[:, :, None]
+    return (picture + patch * (level - picture)).astype(np.uint8)
+
+
+def smeared():
+    kernel = np.zeros((31, 31))
+    cv2.line(kernel, (2, 10), (28, 20), 1, 1)
+    return cv2.filter2D(held(*VIEWS[1]), -1, kernel / kernel.sum())
+
+
+@pytest.mark.parametrize(
+    ("picture", "board", "why"),
+    [
+        (lambda: held(0.02, 0.4, 380, 0.3, 0.1), HELD, "whole"),
+        (lambda: covered(255, 20), HELD, "glare"),
+        (lambda: covered(120, 12), HELD, "covered"),
+        (lambda: smeared(), HELD, "blurred"),
+        (lambda: held(*VIEWS[1]), Chessboard(7, 5, 20), "9 x 6"),
+        (lambda: np.full((480, 640, 3), 9, np.uint8), HELD, "dark"),
+        (lambda: np.full((480, 640, 3), 150, np.uint8), HELD, "none"),
+    ],
+)
+def test_a_board_that_is_not_found_has_a_reason(picture, board, why):
+    assert board.find(picture()) is None
+    assert why in why_unseen(board, picture())
+
+
+def test_a_mirrored_picture_of_a_charuco_board_is_noticed():
+    board = Charuco(9, 6, 28)
+    picture = next(board_pictures(board, VIEWS[4:5]))[:, ::-1]
+    assert board.find(picture) is None
+    assert why_unseen(board, picture) == "mirrored"
 
 
 def test_no_board_is_found_where_there_is_none():

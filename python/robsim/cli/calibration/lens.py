@@ -36,7 +36,9 @@ def lens(
     Ten to twenty pictures, of the size that the robot will be seen in: hold the board still, tilted
     by 20 to 45 degrees, each time in another direction, and bring it into all corners of the
     picture. Pictures are files, folders and videos; or, with --camera, they are taken by themselves
-    whenever the board stands still somewhere new. The exit status is 1 if the result is bad.
+    whenever the board stands still somewhere new. Photos are read as they lie on the sensor. A
+    ChArUco board tells that pictures are mirrored, a chessboard does not. The exit status is 1 if
+    the result is bad.
 
     PICTURES: Pictures, folders of them, or videos.
     --charuco: The board is a ChArUco board.

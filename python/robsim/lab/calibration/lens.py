@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +13,15 @@ import numpy as np
 from robsim._core import Frame, Intrinsics
 from robsim.base.checks import Floats, check_text
 from robsim.base.text import quoted
-from robsim.lab.calibration.lens_report import BoardPicture, LensCalibration, coverage_of
+from robsim.lab.calibration.lens_report import (
+    BoardPicture,
+    LensCalibration,
+    coverage_of,
+    said_missing,
+)
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.lab.calibration.patterns.unseen import why_unseen
 from robsim.vision.imaging.calibration import Calibration, Residuals
 from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
 from robsim.vision.imaging.video import load_opencv
@@ -117,7 +123,7 @@ def calibrate_lens(
         raise ValueError(
             f"pictures must show the whole board in {FEWEST} at least, got {len(views)} of "
             f"{len(views) + len(missing)}: "
-            + (why_missing(board) if missing else "take more, 10 to 20 of them")
+            + (f"{said_missing(missing)}; {why_missing(board)}" if missing else "take 10 to 20")
         )
     return lens_of_views(cv2, size, views, missing)
 
@@ -162,10 +168,10 @@ class Fit:
 
 def _views(
     pictures: Iterable[Any], board: Chessboard | Charuco, names: Sequence[str] | None
-) -> tuple[tuple[int, int], list[View], list[str]]:
-    """Return the size of the pictures, those with a board, and the names of the others."""
+) -> tuple[tuple[int, int], list[View], dict[str, str]]:
+    """Return the size of the pictures, those with a board, and why the others show none."""
     size = (0, 0)
-    views, missing = [], []
+    views, missing = [], {}
     for number, image in enumerate(images_of(pictures, names)):
         if names is not None and number >= len(names):
             raise ValueError(f"names must be as many as pictures, got {len(names)}")
@@ -173,14 +179,14 @@ def _views(
         size = frame_size(image)
         corners = board.find(image)
         if corners is None:
-            missing.append(name)
+            missing[name] = why_unseen(board, image)
         else:
             views.append(View(name, corners))
     return size, views, missing
 
 
 def lens_of_views(
-    cv2: Any, size: tuple[int, int], views: list[View], missing: list[str]
+    cv2: Any, size: tuple[int, int], views: list[View], missing: Mapping[str, str]
 ) -> LensCalibration:
     """Calibrate a lens by `FEWEST` views or more; the views are changed by it."""
     fit = _fit(cv2, size, views)
@@ -206,7 +212,7 @@ def lens_of_views(
     return LensCalibration(
         calibration=calibration,
         pictures=tuple(_picture(cv2, view, fit, fitted) for view in views),
-        missing=tuple(missing),
+        missing=missing,
         deviations=fit.deviations,
         has_k3=has_k3,
         coverage=coverage_of(size, np.concatenate([view.corners.pixels for view in used])),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,6 +31,12 @@ def coverage_of(size: tuple[int, int], pixels: Floats) -> NDArray[np.int64]:
         pixels[:, 1] / size[1], pixels[:, 0] / size[0], bins=4, range=[[0, 1], [0, 1]]
     )
     return counts.astype(int)
+
+
+def said_missing(missing: Mapping[str, str]) -> str:
+    """Return the names of pictures without a board, with the reason of each."""
+    names = {why: [name for name in missing if missing[name] == why] for why in missing.values()}
+    return "; ".join(f"{listed(those)}: {why}" for why, those in names.items())
 
 
 def parts_without(coverage: NDArray[np.int64]) -> tuple[str, ...]:
@@ -80,8 +86,8 @@ class LensCalibration(Report):
         The lens, as a value; without a floor as yet.
     pictures : tuple of BoardPicture
         Those with a board.
-    missing : tuple of str
-        Names of the others.
+    missing : mapping of str to str
+        Why the others show none: a few words, by the name of the picture.
     deviations : array (9,)
         Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3; 0 = it was not fitted.
     has_k3 : bool
@@ -92,7 +98,7 @@ class LensCalibration(Report):
 
     calibration: Calibration
     pictures: tuple[BoardPicture, ...]
-    missing: tuple[str, ...] = ()
+    missing: Mapping[str, str] = field(default_factory=dict)
     deviations: Floats = field(repr=False)
     has_k3: bool = False
     coverage: NDArray[np.int64] = field(repr=False)
@@ -206,4 +212,4 @@ class LensCalibration(Report):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Pictures without a board."""
-        return (f"no board was found in {listed(self.missing)}",) if self.missing else ()
+        return (f"no board was found in {said_missing(self.missing)}",) if self.missing else ()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim.lab.calibration.lens import FEWEST, View, lens_of_views, why_missing
+from robsim.lab.calibration.lens import FEWEST, View, lens_of_views
 from robsim.lab.calibration.lens_report import LensCalibration, coverage_of, parts_without
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
@@ -114,11 +114,6 @@ class BoardPictures:
         return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
 
     @property
-    def why_none(self) -> str:
-        """The likely reasons of a missing board, as a question."""
-        return why_missing(self.board)
-
-    @property
     def lacking(self) -> str:
         """How many more are needed for a lens; empty: they are enough."""
         missing = FEWEST - len(self)
@@ -136,7 +131,7 @@ class BoardPictures:
         cv2 = load_opencv("calibrating a lens")
         views = [View(*one) for one in self.corners.items()]
         try:
-            return lens_of_views(cv2, self.size, views, [])
+            return lens_of_views(cv2, self.size, views, {})
         except (ValueError, cv2.error) as error:
             raise ValueError(
                 f"the lens could not be calibrated by these pictures: {error}"

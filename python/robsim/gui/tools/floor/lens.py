@@ -12,6 +12,7 @@ from robsim.gui.tools.tool import Acts
 from robsim.lab.calibration.lens_report import LensCalibration
 from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 from robsim.lab.calibration.patterns.pattern import Corners
+from robsim.lab.calibration.patterns.unseen import why_unseen
 from robsim.lab.calibration.taking import BoardPictures, BoardTaker
 from robsim.vision.imaging import images
 
@@ -123,7 +124,8 @@ class LensPictures:
         self._refuse_more()
         found = self.board.find(picture.frame.image)
         if found is None:
-            raise ValueError(f"no board in {picture.name}: {self.taken.why_none}")
+            why = why_unseen(self.board, picture.frame.image)
+            raise ValueError(f"no board in {picture.name}: {why}")
         self._keep(picture, found, self.board)
         return len(found.pixels)
 
@@ -213,7 +215,10 @@ class LensPictures:
 
         def find() -> Corners | str | None:
             try:
-                return look(image)
+                found = look(image)
+                if found is None and is_asked:
+                    return f"no board in {picture.name}: {why_unseen(board, image)}"
+                return found
             except ImportError as error:
                 return str(error)
 
@@ -243,10 +248,8 @@ class LensPictures:
                 self._tell()
             return
         if isinstance(found, str):
-            self.watches = False
+            self.watches = self.watches and is_asked
             self._view.note(found)
-        elif is_asked:
-            self._view.note(f"no board in {picture.name}: {self.taken.why_none}")
         if is_asked or found is not None:
             self._tell()
 

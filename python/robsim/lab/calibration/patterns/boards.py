@@ -92,14 +92,13 @@ class Chessboard:
     def _tries(self, cv2: Any, gray: Pixels) -> Iterator[Floats]:
         """Yield about where detectors have the corners; none of them finds all boards."""
         size = (self.columns, self.rows)
-        normalize, adaptive = cv2.CALIB_CB_NORMALIZE_IMAGE, cv2.CALIB_CB_ADAPTIVE_THRESH
-        for flags in (normalize, 0):
+        for flags in (cv2.CALIB_CB_NORMALIZE_IMAGE, 0):
             found, pixels = cv2.findChessboardCornersSB(gray, size, flags=flags)
             if found:
                 yield np.asarray(pixels, float)
         for scale in (1, 2) if gray.size <= _SMALL else (1,):
             scaled = cv2.resize(gray, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
-            flags = adaptive | (normalize if scale > 1 else 0)
+            flags = cv2.CALIB_CB_ADAPTIVE_THRESH  # histograms made even would take seconds
             found, pixels = cv2.findChessboardCorners(scaled, size, flags=flags)
             if found:
                 yield (np.asarray(pixels, float) + 0.5) / scale - 0.5
@@ -109,7 +108,7 @@ class Chessboard:
         raw = about.reshape(self.rows, self.columns, 2)
         fine = _saddle_points(cv2, gray, about, 0.5 * _shortest(raw)).reshape(raw.shape)
         even = (one for one in (fine, raw) if _is_even(one))  # noise may lead the fine ones astray
-        return next((one for one in even if _has_squares(cv2, gray, one)), None)
+        return next((one for one in even if has_squares(cv2, gray, one)), None)
 
 
 def _shortest(grid: Floats) -> float:
@@ -128,7 +127,7 @@ def _is_even(grid: Floats) -> bool:
     return True
 
 
-def _has_squares(cv2: Any, gray: Pixels, grid: Floats) -> bool:
+def has_squares(cv2: Any, gray: Pixels, grid: Floats, *, is_part: bool = False) -> bool:
     """Return whether black and white alternate between corners (R, C, 2), and around, but no more.
 
     If they alternate a square farther, this is a part of a larger board.
@@ -140,16 +139,16 @@ def _has_squares(cv2: Any, gray: Pixels, grid: Floats) -> bool:
     smooth = cv2.blur(gray, (width, width)).astype(np.float32)
     levels = cv2.remap(smooth, middles, None, cv2.INTER_LINEAR, borderValue=np.nan)
     levels[np.indices(levels.shape).sum(axis=0) % 2 == 1] *= -1
-    inner = levels[1:-1, 1:-1]
+    inner = levels[2:-2, 2:-2] if is_part else levels[1:-1, 1:-1]
     # a + b, as every second level is negated: differences of neighbours, of one sign
-    steps = np.concatenate(
-        [(inner[1:] + inner[:-1]).ravel(), (inner[:, 1:] + inner[:, :-1]).ravel()]
-    )
-    contrast = float(np.nanmedian(steps))
+    steps = np.concatenate([(inner[1:] + inner[:-1]).flat, (inner[:, 1:] + inner[:, :-1]).flat])
+    typical = float(np.nanmedian(steps))
+    least = float(np.nanmin(steps * np.sign(typical)))  # NaN is outside the picture
+    if is_part or least <= _LEAST_CONTRAST * abs(typical):
+        return is_part and least > 0
     beyond = (levels[0], levels[-1], levels[:, 0], levels[:, -1])
-    farther = [(line[1:-2] + line[2:-1]) / contrast for line in beyond]
-    is_larger = any((line > 0.5).all() for line in farther)  # NaN, outside the picture, is not
-    return bool(np.nanmin(steps / contrast) > _LEAST_CONTRAST) and not is_larger
+    farther = [(line[1:-2] + line[2:-1]) / typical for line in beyond]
+    return not any((line > 0.5).all() for line in farther)
 
 
 @dataclass(frozen=True)
