@@ -122,6 +122,17 @@ def test_a_wrong_one_of_few_marks_is_not_pinned_on_the_worst():
     assert "all others" in sentences(report)
 
 
+def test_a_wrong_mark_of_four_is_found_by_a_fifth():
+    places, pixels = floor(3)
+    few = [0, 2, 6, 8, 4]
+    moved = places[few] + np.eye(5, 2) * (60, 0)
+    four = calibrate_floor(pixels[few[:4]], moved[:4], lens=LENS, **AREA)
+    assert "one point of 4 is wrong" in sentences(four)
+    assert "fits worst" not in str(four)
+    five = calibrate_floor(pixels[few], moved, lens=LENS, **AREA)
+    assert [one.name for one in five.points if not one.is_used] == ["1"]
+
+
 def test_four_marks_without_a_lens_say_that_nothing_is_left_to_check():
     places, pixels = floor(2)
     report = calibrate_floor(pixels, places, size=SHOT.size, **AREA)

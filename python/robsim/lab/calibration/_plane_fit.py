@@ -114,22 +114,25 @@ class _Camera:
 
 
 def fit_plane(
-    pixels: Sequence[Floats], positions: Sequence[Floats], matrix: Floats | None
+    pixels: Sequence[Floats],
+    positions: Sequence[Floats],
+    matrix: Floats | None,
+    about: Floats | None = None,
 ) -> PlaneFit:
     """Return the plane that fits best to ideal pixels and positions (mm), (N, 2) of each group.
 
-    The matrix (3, 3) has focal lengths and centre of the camera (px); None = not known. ValueError:
-    the points of the first group do not determine a plane.
+    The matrix (3, 3) has focal lengths and centre of the camera (px); None = not known. `about` is
+    a homography to begin with. ValueError: the points of the first group do not determine it.
     """
     from scipy.optimize import least_squares
 
-    about = PlaneMap.from_points(pixels[0], positions[0])
+    first = PlaneMap.from_points(pixels[0], positions[0]) if about is None else PlaneMap(about)
     centre = positions[0].mean(axis=0)
     scale = float(np.linalg.norm(positions[0] - centre, axis=1).max())
     camera = _Camera(matrix, scale, centre)
-    places = [_place(about.to_world(p), x) for p, x in zip(pixels[1:], positions[1:], strict=True)]
+    places = [_place(first.to_world(p), x) for p, x in zip(pixels[1:], positions[1:], strict=True)]
     shifts = [np.array((x / scale, y / scale, angle)) for x, y, angle in places]
-    start = np.concatenate([camera.start(_inverse(about.matrix)), *shifts])
+    start = np.concatenate([camera.start(_inverse(first.matrix)), *shifts])
 
     def places_of(parameters: Floats) -> Floats:
         shift: Floats = parameters[camera.count :].reshape(-1, 3) * (scale, scale, 1)

@@ -32,7 +32,9 @@ from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
 from robsim.vision.robots.polygons import placed
 
 _FEWEST = 4
-_TRUSTED = 6  # points, of which one may be wrong
+_TELLING = 4  # numbers more than parameters.
+_KNOWN = 6  # such numbers that determine the noise alone.
+_NOISE = 0.5  # px, the noise that is assumed with fewer.
 _MOST_SUSPECTS = 8  # marks that are left out on trial
 _LEVEL = 1e-4  # at which one is called wrong
 _LEAST_WRONG = 1.0  # px
@@ -79,8 +81,8 @@ def calibrate_floor(
     Returns
     -------
     FloorCalibration
-        The calibration, and how well each mark fits. Of six or more, one that fits far worse than
-        the others is left out, and named.
+        The calibration, and how well each mark fits. Of six or more, with a lens of five, one that
+        fits far worse than the others is left out, and named.
 
     Raises
     ------
@@ -106,7 +108,7 @@ def calibrate_floor(
     _refuse_mirrored(ideal, places)
     wrong = None
     fit = fit_plane([ideal], [places], matrix)
-    if len(seen) >= _TRUSTED:
+    if fit.free >= _TELLING:
         wrong, fit = _without_wrong(ideal, places, matrix, fit)
     marks = {} if image is None else single_marks(image)
     calibration = _calibration(lens, fit.to_floor, area, scale, height, marks)
@@ -301,8 +303,11 @@ def _without_wrong(
     suspects = np.argsort(fit.gains())[::-1][:_MOST_SUSPECTS].tolist()
     for index in suspects:
         kept = np.arange(len(ideal)) != index
+        spread = np.linalg.svd(places[kept] - places[kept].mean(axis=0), compute_uv=False)
+        # with a lens, three on a line do no harm
+        about = fit.to_floor if matrix is not None and spread[1] > 0.1 * spread[0] else None
         try:
-            fits.append(fit_plane([ideal[kept]], [places[kept]], matrix))
+            fits.append(fit_plane([ideal[kept]], [places[kept]], matrix, about))
         except ValueError:  # the others lie on a line
             fits.append(fit)
     first = int(np.argmin([one.squares for one in fits]))
@@ -311,9 +316,11 @@ def _without_wrong(
         return None, fit
     # F = ((SSE - SSE') / 2) / (SSE' / n'), of a mark that is right F(2, n'), whose tail is
     # P(F > f) = (1 + 2 f / n')^(-n' / 2)
-    noise = max(without.squares / without.free, 0.05**2)
+    assumed = max(_KNOWN - without.free, 0)
+    free = without.free + assumed
+    noise = max((without.squares + assumed * _NOISE**2) / free, 0.05**2)
     ratio = (fit.squares - without.squares) / 2 / noise
-    is_wrong = (1 + 2 * ratio / without.free) ** (-without.free / 2) < _LEVEL / len(ideal)
+    is_wrong = (1 + 2 * ratio / free) ** (-free / 2) < _LEVEL / len(ideal)
     is_large = np.sqrt((fit.residuals[0] ** 2).sum(axis=1).max()) > _LEAST_WRONG
     return (best, without) if is_wrong and is_large else (None, fit)
 
@@ -387,6 +394,7 @@ def _report(
         calibration=dataclasses.replace(calibration, floor_residuals=residuals),
         points=tuple(points),
         expected_errors=fit.expected_errors(there) if fit.free > 0 else np.full(4, np.nan),
+        tells_wrong=fit.free >= _TELLING or not all(one.is_used for one in points),
         **others,
     )
 

@@ -67,6 +67,8 @@ class FloorCalibration(Report):
         says.
     moved : float
         How far a corner wandered from picture to picture (px).
+    tells_wrong : bool
+        Whether the points are enough to find a wrong one.
     """
 
     calibration: Calibration
@@ -75,6 +77,7 @@ class FloorCalibration(Report):
     places_off: Mapping[int, float] = field(default_factory=dict)
     print_scale: float = 1.0
     moved: float = 0.0
+    tells_wrong: bool = True
 
     @property
     def title(self) -> str:
@@ -123,11 +126,14 @@ class FloorCalibration(Report):
         residuals = self.calibration.floor_residuals
         assert residuals is not None
         height = self.calibration.marker_height
+        worst = (
+            Quantity("worst", "worst", self.worst.name),
+            Quantity("worst_mm", "it is off by", self.worst.mm, "mm", ".1f"),
+        )
         return (
             Quantity("rms", "rms", self.rms, "px", ".2f"),
             Quantity("rms_mm", "rms on the floor", self.rms_mm, "mm", ".1f"),
-            Quantity("worst", "worst", self.worst.name),
-            Quantity("worst_mm", "it is off by", self.worst.mm, "mm", ".1f"),
+            *(worst if self.tells_wrong else ()),
             Quantity("n_points", "points used", residuals.points),
             Quantity("n_pictures", "pictures", residuals.pictures),
             Quantity(
@@ -172,11 +178,16 @@ class FloorCalibration(Report):
         worst = max(self._used, key=lambda one: one.px)
         if self.rms > _RMS[0]:
             point = "" if worst.name.startswith("sheet") else "point "
+            who = (
+                f"{point}{worst.name} fits worst, {worst.mm:.0f} mm off: check its place"
+                f"{self._others_hint}"
+                if self.tells_wrong
+                else f"one point of {len(self._used)} is wrong: a further point separates it from "
+                "all others"
+            )
             yield (
                 "rms",
-                f"rms {self.rms:.1f} px, expected is below {_RMS[0]:g}; {point}{worst.name} fits "
-                f"worst, {worst.mm:.0f} mm off: check its place{self._others_hint}"
-                + self._lens_hint,
+                f"rms {self.rms:.1f} px, expected is below {_RMS[0]:g}; {who}{self._lens_hint}",
             )
         if self._expected_px > _FAR[0]:
             yield (

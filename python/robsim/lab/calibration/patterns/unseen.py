@@ -11,11 +11,11 @@ from robsim.lab.calibration.patterns.boards import Charuco, Chessboard, has_squa
 from robsim.lab.calibration.patterns.pattern import PURPOSE, Pixels, gray_of
 from robsim.vision.imaging.video import load_opencv
 
-_LARGEST = 1280.0  # px of a side that is looked at
-_SMALL = 8.0  # px of a square
-_EDGE = 1.5  # squares from the outermost corner to the picture's edge
-_WHITE = 250  # level of glare
-_SOFT = 3.4  # px over which an edge of a sharp picture rises, at most
+_LARGEST = 1280.0  # px of a side.
+_SMALL = 8.0  # px of a square.
+_EDGE = 1.5  # squares between the corners and the picture's edge.
+_WHITE = 250  # level of glare.
+_SOFT = 3.4  # px of the slope of a blurred edge.
 
 
 def why_unseen(board: Chessboard | Charuco, image: Pixels) -> str:
@@ -30,7 +30,7 @@ def why_unseen(board: Chessboard | Charuco, image: Pixels) -> str:
     if grid is None:
         dim = np.quantile(small, 0.99) < 40
         blur = _rise(cv2, small) > _SOFT
-        return "too dark" if dim else "blurred" if blur else "none is seen"
+        return "too dark" if dim else "blurred" if blur else "no board is seen"
     longer, shorter = sorted(grid.shape[:2], reverse=True)
     steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2) for axis in (0, 1)]
     side = float(min(map(np.median, steps)))
