@@ -160,6 +160,23 @@ def test_ctrl_c_ends_all_and_says_how_to_go_on(folder):
     assert "store=FILE" in errors.splitlines()[-1]
 
 
+UNGUARDED = """
+import robsim
+from robsim.campaigns import campaign
+
+campaign(robsim.Scenario(area=(300, 300)), metrics="tracking", runs=9, steps=5, executor=2)
+"""
+
+
+def test_a_program_without_a_main_guard_gets_one_error(folder):
+    (folder / "program.py").write_text(UNGUARDED)
+    command = [sys.executable, folder / "program.py"]
+    ended = subprocess.run(command, env=environment(), capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert ended.stderr.count("Traceback") == 1
+    assert "if __name__ == '__main__'" in ended.stderr
+
+
 KILLED = """
 import sys
 import robsim

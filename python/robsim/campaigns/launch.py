@@ -16,6 +16,7 @@ from robsim.campaigns._store import Store
 from robsim.campaigns.engines.campaign_work import DIED, CampaignWork, Chunks, check_can_be_sent
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
+from robsim.campaigns.engines.processes import end_copy
 from robsim.campaigns.result import CampaignResult, result_of
 from robsim.campaigns.runs import CaseRuns, Row
 from robsim.campaigns.spec import CampaignSpec
@@ -159,6 +160,7 @@ def run_spec(
 ) -> CampaignResult:
     """Run what a specification says; the other arguments are those of `campaign`."""
     engine = engine_value(executor)
+    end_copy()
     check_bool("progress", progress)
     check_choice("on_error", on_error, ("record", "raise"))
     file = None if store is None else as_path(store, "store")

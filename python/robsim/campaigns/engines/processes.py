@@ -86,6 +86,12 @@ class Processes(Workers[JobT, RowT]):
         pool.shutdown()
 
 
+def end_copy() -> None:
+    """End a worker that runs a program without a main guard again: its parent raises the error."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        os._exit(1)
+
+
 _doer: Callable[[Any], Any] | None = None  # of this process, if it is one of a pool
 
 
