@@ -64,6 +64,19 @@ def marks_file(count=9):
     Path("marks.csv").write_text("\n".join(["name,u,v,x,y", *lines[:count]]))
 
 
+@pytest.mark.parametrize(
+    ("separator", "point", "coding"), [(";", ",", "utf-8-sig"), ("\t", ".", "utf-16")]
+)
+def test_marks_of_a_spreadsheet_are_read(separator, point, coding):
+    lens_file()
+    marks_file()
+    text = Path("marks.csv").read_text().replace(", ", ",")
+    text = text.replace(",", separator).replace(".", point)
+    Path("marks.csv").write_bytes(text.encode(coding))
+    result = calibrate("floor", "--calibration", "camera.toml", *AREA, "--marks", "marks.csv")
+    assert result.exit_code == 0, result.output
+
+
 def test_marks_give_a_floor_and_its_grid():
     lens_file()
     marks_file()
@@ -180,7 +193,7 @@ def test_what_was_calibrated_is_told_in_mm():
     result = CliRunner().invoke(app, [*track, "--scale", "3"])
     assert re.search("--scale.*--calibration", result.stderr)
     result = CliRunner().invoke(app, track)
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == 1, result.output  # there is no robot
     info = Trace.load("robsim-track/trace.npz").info
     assert (info.unit, info.mm_per_px, info.area) == ("mm", 2, (1000, 800))
 

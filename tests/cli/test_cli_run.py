@@ -243,6 +243,18 @@ def test_why_some_frames_are_without_a_detection(frames):
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_the_exit_status_tells_that_the_robot_was_never_seen(frames):
+    folder, image = frames
+    save_image(folder / "0.png", np.full_like(image, 150))
+    run, trace = tracked(folder)
+    assert not trace.seen.any()
+    assert run.exit_code == 1
+    assert "measure=True" not in run.stdout + run.stderr
+    save_image(folder / "1.png", image)
+    assert tracked(folder)[0].exit_code == 0
+
+
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.filterwarnings("always")
 def test_bgr_frames_are_told(frames, monkeypatch, capsys):
     folder, image = frames

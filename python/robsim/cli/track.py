@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
+
 from robsim._core import Frame
 from robsim.cli import errors, shared
 from robsim.cli.outcome import finish, write_with_progress
@@ -37,7 +39,8 @@ def track(
     """Track the robot in a video file or a folder of images.
 
     Writes the trace, the figures and an annotated video. For a camera that views the floor
-    obliquely, give four or more points whose positions are known.
+    obliquely, give four or more points whose positions are known. The exit status is 1 if the
+    robot was never seen.
 
     SOURCE: Video file, or folder of images.
     --dt SECONDS: Time between two frames in s. Default: the times in the video; 0.2 for images.
@@ -74,6 +77,8 @@ def track(
             errors.print_note(f"the {count} frames before the error are tracked")
     if failure is not None:
         raise failure
+    if count and not experiment.trace.seen.any():
+        raise typer.Exit(1)
 
 
 def _write_video(experiment: Experiment, trace: Trace, recording: Recording, file: Path) -> None:

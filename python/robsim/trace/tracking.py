@@ -130,9 +130,11 @@ class TrackingStatistics(Report):
     def remarks(self) -> tuple[str, ...]:
         """Why there are no errors, or such large ones, and what the words mean."""
         if self.steps and not self.seen:
+            if self.missed:
+                return ("no pose was measured: the robot was detected in no frame",)
             return (
-                "no pose was measured: the robot was detected in no frame, or it was run without "
-                "measure=True; a measure of your own must return its Measurement",
+                "no pose was measured: run with measure=True; a measure of your own must return "
+                "its Measurement",
             )
         return (*self._on_truth(), *self._on_false_poses(), *self._on_reports())
 

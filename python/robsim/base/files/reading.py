@@ -45,8 +45,9 @@ def read_text(path: Path, most: int = MOST_TOML) -> str:
     content = content_of(path, most + 1)
     if len(content) > most:
         raise ValueError(f"{one_line(path)} must have at most {_size(most)}")
+    is_utf16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))  # as PowerShell and Excel write
     try:
-        return content.decode("utf-8-sig")
+        return content.decode("utf-16" if is_utf16 else "utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(f"{one_line(path)} is not UTF-8 text") from error
 

@@ -55,8 +55,8 @@ def floor(
         distort.
     --place N:X,Y: Where the cross of sheet N lies in mm from the top left corner of the area. Can
         be repeated.
-    --marks FILE: Marks as CSV with the columns name, u, v (px), x, y (mm); those of one name are
-        averaged.
+    --marks FILE: Marks as CSV with the columns name, u, v (px), x, y (mm), separated by commas,
+        semicolons or tabs; those of one name are averaged.
     --pixels POINTS: Marks in the picture in px: '12,8 630,11 ...'.
     --positions POINTS: Their places on the floor in mm from the top left corner of the area.
     --out FILE: The calibration to write. Default: that of --calibration, or camera.toml.
@@ -151,7 +151,11 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
 def _read_marks(file: Path) -> Marks:
     from robsim.base.files import read_text
 
-    rows = list(csv.reader(read_text(file).splitlines()))
+    lines = [line for line in read_text(file).splitlines() if line.strip()]
+    # a semicolon before a comma, which then is that of decimals
+    separators = (one for one in "\t;" if lines and lines[0].count(one) >= len(_COLUMNS) - 1)
+    separator = next(separators, ",")
+    rows = list(csv.reader(lines, delimiter=separator))
     rows = [[cell.strip() for cell in row] for row in rows if any(map(str.strip, row))]
     if rows and tuple(map(str.lower, rows[0])) == _COLUMNS:
         rows = rows[1:]
@@ -159,13 +163,14 @@ def _read_marks(file: Path) -> Marks:
     for number_of_row, row in enumerate(rows, start=1):
         try:
             name, u, v, x, y = row
-            numbers = [float(cell) for cell in (u, v, x, y)]
+            numbers = [float(cell.replace(",", ".")) for cell in (u, v, x, y)]
             if not all(map(math.isfinite, numbers)):
                 raise ValueError
         except ValueError:
             raise ValueError(
                 f"{file}: mark {number_of_row} must be name, u, v, x, y such as corner,12,8,0,0, "
-                f"got {quoted(','.join(row))}"
+                "separated by commas, semicolons or tabs, without commas in numbers between "
+                f"commas, got {quoted(separator.join(row))}"
             ) from None
         names.append(name)
         seen.append(numbers[:2])
