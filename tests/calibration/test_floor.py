@@ -162,6 +162,11 @@ def picture():
     return floor_picture(SHOT)
 
 
+def test_a_mirrored_picture_of_sheets_is_named(picture):
+    with pytest.raises(ValueError, match="mirrored"):
+        calibrate_floor_by_sheets([picture[:, ::-1]], **AREA)
+
+
 def crosses():
     return {
         number: tuple((np.array(place[:2]) - CORNER).tolist()) for number, place in LAID.items()

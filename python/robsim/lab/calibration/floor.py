@@ -22,7 +22,7 @@ from robsim.base.checks import (
 )
 from robsim.base.text import listed, quoted
 from robsim.lab.calibration._plane_fit import PlaneFit, aligned, fit_plane
-from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint
+from robsim.lab.calibration.floor_report import TELLING, FloorCalibration, FloorPoint
 from robsim.lab.calibration.grid import mark_middles, single_marks
 from robsim.lab.calibration.lens import checked_names, images_of
 from robsim.lab.calibration.patterns.floor_sheet import MOST_SHEETS, find_sheets
@@ -32,8 +32,7 @@ from robsim.vision.imaging.images import Pixels, frame_pixels, frame_size
 from robsim.vision.robots.polygons import placed
 
 _FEWEST = 4
-_TELLING = 4  # numbers more than parameters.
-_KNOWN = 6  # such numbers that determine the noise alone.
+_KNOWN = 6  # numbers more than parameters that determine the noise alone.
 _NOISE = 0.5  # px, the noise that is assumed with fewer.
 _MOST_SUSPECTS = 8  # marks that are left out on trial
 _LEVEL = 1e-4  # at which one is called wrong
@@ -108,7 +107,7 @@ def calibrate_floor(
     _refuse_mirrored(ideal, places)
     wrong = None
     fit = fit_plane([ideal], [places], matrix)
-    if fit.free >= _TELLING:
+    if fit.free >= TELLING:
         wrong, fit = _without_wrong(ideal, places, matrix, fit)
     marks = {} if image is None else single_marks(image)
     calibration = _calibration(lens, fit.to_floor, area, scale, height, marks)
@@ -394,7 +393,6 @@ def _report(
         calibration=dataclasses.replace(calibration, floor_residuals=residuals),
         points=tuple(points),
         expected_errors=fit.expected_errors(there) if fit.free > 0 else np.full(4, np.nan),
-        tells_wrong=fit.free >= _TELLING or not all(one.is_used for one in points),
         **others,
     )
 

@@ -18,6 +18,8 @@ _FAR = (2.0, 5.0)  # expected error in the corners of the area, work-area px: go
 _SCALE = 0.005  # of the print
 _PLACE = 10.0  # mm
 _STILL = 1.0  # px
+#: Numbers of points more than parameters, with which a wrong point shows.
+TELLING = 4
 _MANY = 8  # points; of fewer, a wrong one need not fit worst
 
 
@@ -67,8 +69,6 @@ class FloorCalibration(Report):
         says.
     moved : float
         How far a corner wandered from picture to picture (px).
-    tells_wrong : bool
-        Whether the points are enough to find a wrong one.
     """
 
     calibration: Calibration
@@ -77,7 +77,6 @@ class FloorCalibration(Report):
     places_off: Mapping[int, float] = field(default_factory=dict)
     print_scale: float = 1.0
     moved: float = 0.0
-    tells_wrong: bool = True
 
     @property
     def title(self) -> str:
@@ -133,7 +132,7 @@ class FloorCalibration(Report):
         return (
             Quantity("rms", "rms", self.rms, "px", ".2f"),
             Quantity("rms_mm", "rms on the floor", self.rms_mm, "mm", ".1f"),
-            *(worst if self.tells_wrong else ()),
+            *(worst if self._tells_wrong else ()),
             Quantity("n_points", "points used", residuals.points),
             Quantity("n_pictures", "pictures", residuals.pictures),
             Quantity(
@@ -181,7 +180,7 @@ class FloorCalibration(Report):
             who = (
                 f"{point}{worst.name} fits worst, {worst.mm:.0f} mm off: check its place"
                 f"{self._others_hint}"
-                if self.tells_wrong
+                if self._tells_wrong
                 else f"one point of {len(self._used)} is wrong: a further point separates it from "
                 "all others"
             )
@@ -219,6 +218,12 @@ class FloorCalibration(Report):
                 f"the marks wandered by {self.moved:.1f} px from picture to picture: the camera "
                 "must stand still",
             )
+
+    @property
+    def _tells_wrong(self) -> bool:
+        """Whether the points are enough to find a wrong one."""
+        parameters = 8 if self.calibration.intrinsics is None else 6
+        return 2 * len(self.points) - parameters >= TELLING
 
     @property
     def _others_hint(self) -> str:

@@ -130,7 +130,7 @@ class FloorSheets:
         def find() -> SeenSheets | str:
             try:
                 seen = SeenSheets.of(image, mark)
-            except ImportError as error:
+            except (ImportError, ValueError) as error:
                 return str(error)
             if not seen.corners:
                 return (

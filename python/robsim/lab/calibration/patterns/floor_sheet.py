@@ -104,7 +104,8 @@ def _meeting(one: Floats, other: Floats) -> Floats:
 MOST_SHEETS = 16
 _MARKS = 3, 2  # of a floor sheet, across and down
 _GAP = 0.15  # between them, of the side of a mark
-_BITS = 4  # cells along a mark, without its border
+_BITS = 4  # cells along a mark, without its border.
+_FEW = 12  # marks: a mirrored picture may show that many wrong ones
 
 
 @dataclass(frozen=True)
@@ -207,11 +208,15 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
     ImportError
         If OpenCV is not installed.
     TypeError, ValueError
-        If an argument has another type, or is out of range.
+        If an argument has another type, or is out of range. If the picture is mirrored.
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     seen: dict[int, list[tuple[int, Floats]]] = {}
-    for number, corners in find_marks(image):
+    all_marks = find_marks(image)
+    # A mirrored mark may resemble another one.
+    if len(all_marks) < _FEW and len(find_marks(image[:, ::-1].copy())) > len(all_marks):
+        raise ValueError("pictures must not be mirrored: the floor sheets are")
+    for number, corners in all_marks:
         seen.setdefault(sheet_of(number), []).append((number, corners))
     if twice := [sheet for sheet, marks in seen.items() if len(dict(marks)) < len(marks)]:
         raise ValueError(
