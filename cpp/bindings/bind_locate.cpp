@@ -173,8 +173,8 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
           "str or None: why there is no measurement: ``\"no blobs\"``, ``\"no red blob\"``,\n"
           "``\"no blue blob\"`` or what the colours are called, ``\"at the border\"``, "
           "``\"distance\"``, ``\"areas\"``,\n"
-          "``\"ambiguous\"``, ``\"by chance\"`` or ``\"noise\"``; and, where the frame tells the "
-          "cause,\n``\"dark\"``, ``\"overexposed\"`` or ``\"small markers\"``.")
+          "``\"ambiguous\"``, ``\"by chance\"``, ``\"noise\"`` or ``\"shape\"``; and, where the "
+          "frame tells the cause,\n``\"dark\"``, ``\"overexposed\"`` or ``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
                              "str: a sentence on the result, with the numbers that decided.")
       .def("__repr__", &repr);
@@ -250,7 +250,7 @@ std::vector<std::string> reasons(const std::array<std::string, 2>& colors) {
   markers.first.color = colors[0];
   markers.second.color = colors[1];
   std::vector<std::string> names;
-  for (int i = 1; i <= static_cast<int>(DetectionResult::small_markers); ++i) {
+  for (int i = 1; i <= static_cast<int>(last_result); ++i) {
     names.push_back(name_of(static_cast<DetectionResult>(i), markers));
   }
   return names;

@@ -1172,7 +1172,7 @@ class Detection:
         """
         str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
         ``"no blue blob"`` or what the colours are called, ``"at the border"``, ``"distance"``, ``"areas"``,
-        ``"ambiguous"``, ``"by chance"`` or ``"noise"``; and, where the frame tells the cause,
+        ``"ambiguous"``, ``"by chance"``, ``"noise"`` or ``"shape"``; and, where the frame tells the cause,
         ``"dark"``, ``"overexposed"`` or ``"small markers"``.
         """
     @property

@@ -4,9 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
+from PIL import Image, ImageDraw
 
 import robsim
-from foreign_frames import CASES, Case, frame_at, layout_of
+from foreign_frames import BLUE, CASES, FLOOR, RED, Case, frame_at, layout_of
 from robsim import ColorClass, _core
 from robsim.vision import detect
 
@@ -70,6 +71,22 @@ def test_where_a_pair_is_found_there_is_no_second_chance():
         assert off(detection, POSES[0]) < 0.5
         assert not detection.by_second_chance
         assert detection == by_classes(frame, second_chance=False)
+
+
+@pytest.mark.parametrize("exposure", [1, 0.3])
+def test_other_shapes_of_the_markers_colours_and_areas_are_not_seen(exposure):
+    def dimmed(color):
+        return tuple(int(exposure * level) for level in color)
+
+    image = Image.new("RGB", (160, 160), dimmed(FLOOR))
+    for side, color in ((1, RED), (-1, BLUE)):  # bent limbs
+        bends = [(x, 80 + side * (21.5 + y)) for x, y in ((62, 10), (80, -10), (98, 10))]
+        ImageDraw.Draw(image).line(bends, dimmed(color), width=6, joint="curve")
+    frame = robsim.Frame(np.array(image))
+    assert by_classes(frame).reason == "shape"
+    experiment = robsim.Experiment([frame], robot="lab", area=(160, 160))
+    experiment.run()
+    assert experiment.trace.tracking().missed == {"shape": 1}
 
 
 @pytest.mark.long

@@ -171,7 +171,7 @@ Eigen::VectorXd vector_from(py::handle value, const std::string& name) {
 
 DetectionResult detection_result_from(py::handle value, const std::string& name) {
   const int result = value.cast<int>();
-  if (result >= 0 && result <= static_cast<int>(DetectionResult::small_markers)) {
+  if (result >= 0 && result <= static_cast<int>(last_result)) {
     return static_cast<DetectionResult>(result);
   }
   throw py::value_error(name + " must be the result of a Detection, got " + describe(value));

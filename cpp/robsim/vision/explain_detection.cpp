@@ -137,6 +137,11 @@ std::string explain_result(const Detection& d) {
              " % of its pixels are white. No robot was detected: less light, or a shorter exposure";
     case DetectionResult::small_markers:
       return small_markers(d.cause, d.noise);
+    case DetectionResult::shape:
+      return both(d) +
+             " blobs fit the markers in distance and areas, but not in shape (misfit of the fit " +
+             number(d.cause, 1) +
+             "): is it no robot? If it is one, give more light, or train the colours in this light";
     case DetectionResult::detected:
       break;
   }
@@ -156,8 +161,8 @@ std::string name_of(DetectionResult result, const MarkerLayout& markers) {
   if (result == DetectionResult::no_first_blob) return "no " + markers.first.color + " blob";
   if (result == DetectionResult::no_second_blob) return "no " + markers.second.color + " blob";
   constexpr const char* names[] = {
-      "detected",  "no blobs",  "",      "",     "at the border", "distance",     "areas",
-      "ambiguous", "by chance", "noise", "dark", "overexposed",   "small markers"};
+      "detected",  "no blobs",  "",      "",     "at the border", "distance",      "areas",
+      "ambiguous", "by chance", "noise", "dark", "overexposed",   "small markers", "shape"};
   return names[static_cast<std::size_t>(result)];
 }
 

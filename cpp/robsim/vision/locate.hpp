@@ -91,8 +91,12 @@ enum class DetectionResult {
   // Causes in the frame, where it was examined.
   dark,
   overexposed,
-  small_markers
+  small_markers,
+
+  shape  // the blobs are not like the markers' outlines
 };
+
+constexpr DetectionResult last_result = DetectionResult::shape;
 
 /// The pair of blobs, one of each colour, that fits the markers best, how well it fits, and what
 /// follows from it.

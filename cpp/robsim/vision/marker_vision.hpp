@@ -22,7 +22,8 @@ namespace robsim {
 ///
 /// A measurement gets its covariance from a fit of the markers' outlines to their edges. If the
 /// outlines are unknown, or do not fit, the blobs' pixels are weighed by their colour. A
-/// measurement that does not stand out of the noise is dropped.
+/// measurement that does not stand out of the noise is dropped, and so is one whose blobs are not
+/// like the outlines.
 ///
 /// Without a measurement, the frame is searched for the cause: a dark or overexposed picture
 /// instead of "no red blob", markers too small to be found.

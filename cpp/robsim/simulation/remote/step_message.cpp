@@ -151,7 +151,7 @@ FrameMessage frame_from(const FixedPart& fixed) {
 
 void check_counts(const FixedPart& fixed) {
   if (fixed.done > all_stages || fixed.parts > all_parts || fixed.n_blobs > most_blobs ||
-      fixed.missed > static_cast<std::uint32_t>(DetectionResult::small_markers)) {
+      fixed.missed > static_cast<std::uint32_t>(last_result)) {
     throw MessageError("a message with choices or counts that there are not");
   }
   if (fixed.n_states > most_states) {

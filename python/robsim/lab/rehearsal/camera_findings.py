@@ -67,6 +67,7 @@ _REMEDIES = {
     "by chance": "take what has the markers' colours off the floor, or train narrower colours",
     "dark": "give more light, or a longer exposure",
     "overexposed": "give a shorter exposure, or less light",
+    "shape": "give more light, or train the colours in this light; or is there no robot?",
     "small markers": "bring the camera closer, take more pixels, or print larger markers",
 }
 

@@ -26,6 +26,7 @@ _WORDS = {
     "dark": "a dark picture",
     "overexposed": "an overexposed picture",
     "small markers": "markers too small for the noise of the frame",
+    "shape": "blobs of other outlines than the markers",
 }
 
 
