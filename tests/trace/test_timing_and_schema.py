@@ -70,6 +70,15 @@ def test_another_rate_than_the_models_is_told(interval):
     assert len(wrong.remarks) == len(right.remarks) + 1
 
 
+def test_no_rate_is_reported_that_never_was(rng):
+    t = np.arange(60) * 2 * DT + rng.normal(0, 0.005, 60)
+    t[30:] += 2 * DT
+    report = live(t).timing()
+    assert report.rate == pytest.approx(2.5, rel=0.02)
+    assert report.lost == 1
+    assert any("2.5 frames/s" in remark for remark in report.remarks)
+
+
 def test_a_delay_that_varies_is_told(rng):
     steady, varying = (
         live(np.arange(50) * DT, sent=0.05 + rng.uniform(0, spread, 50)).timing()

@@ -15,6 +15,8 @@ from robsim.base.report import Column, Quantity, Report, Row, Table, count
 _ROWS = ("from exposure to arrival", "from arrival to input", "from exposure to input")
 _MOST_JITTER = 0.2  # of dt: filters and fits count in whole steps
 _MOST_OFF = 0.05  # of dt
+_OTHER_RATE = 0.7  # of the model's
+_SAME = 0.8  # share of intervals that make a multiple of dt the rate
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,7 +34,7 @@ class TimingReport(Report):
     jitter : float
         Standard deviation of the time between the exposures of frames that follow each other (s).
     lost : int
-        Steps of the model between two frames in which none came.
+        Frames that were missing between two others, at the rate that came.
     stopped : int
         How often the robot was stopped; the time until the next frame is not counted.
     interval : float
@@ -101,7 +103,13 @@ class TimingReport(Report):
                 "the frames do not come regularly: filters and fits take the time between two of "
                 f"them for whole steps of {self.dt:g} s"
             )
-        if abs(self.interval - self.dt) > _MOST_OFF * self.dt:
+        if self.rate * self.dt < _OTHER_RATE:
+            remarks.append(
+                f"{self.rate:.3g} frames/s come, not {1 / self.dt:.3g}: the camera sends no more "
+                "(in dim light webcams halve their rate), or callbacks take longer than a step; "
+                f"give the camera fps={self.rate:.3g}, or more light"
+            )
+        elif abs(self.interval - self.dt) > _MOST_OFF * self.dt:
             remarks.append(
                 f"a step takes {self.interval:.3g} s, not the {self.dt:g} s of the model, so that "
                 "predictions and speeds are off: give the model this dt, or the camera its rate"
@@ -129,13 +137,16 @@ def timing_report(
     """
     intervals = np.diff(t)[~interrupted[1:]]
     n_steps = np.maximum(np.rint(intervals / dt), 1)
-    follow_each_other = intervals[n_steps == 1]
+    multiple = float(np.median(n_steps)) if len(n_steps) else 1.0
+    if np.count_nonzero(n_steps == multiple) <= _SAME * len(n_steps):
+        multiple = 1.0
+    follow_each_other = intervals[n_steps == multiple]
     return TimingReport(
         dt=dt,
         steps=len(t),
         rate=1 / float(np.median(follow_each_other)) if len(follow_each_other) else np.nan,
         jitter=float(np.std(follow_each_other)) if len(follow_each_other) else np.nan,
-        lost=int((n_steps - 1).sum()),
+        lost=int(np.maximum(np.rint(n_steps / multiple) - 1, 0).sum()),
         stopped=int(interrupted.sum()),
         interval=float(np.median(intervals / n_steps)) if len(intervals) else np.nan,
         latency=np.array([_spread(x) for x in (t_arrival - t, t_sent - t_arrival, t_sent - t)]),
