@@ -13,11 +13,9 @@ using namespace robsim::bindings;
 
 template <>
 constexpr Choices<MotorEvent::Kind> robsim::bindings::choices<MotorEvent::Kind> = {
-    {"input", MotorEvent::Kind::input},
-    {"repeat", MotorEvent::Kind::repeat},
-    {"stop", MotorEvent::Kind::stop},
-    {"failure", MotorEvent::Kind::failure},
-    {"timeout", MotorEvent::Kind::timeout}};
+    {"input", MotorEvent::Kind::input},     {"repeat", MotorEvent::Kind::repeat},
+    {"stop", MotorEvent::Kind::stop},       {"failure", MotorEvent::Kind::failure},
+    {"timeout", MotorEvent::Kind::timeout}, {"silence", MotorEvent::Kind::silence}};
 template <>
 constexpr Choices<Command::Kind> robsim::bindings::choices<Command::Kind> = {
     {"u", Command::Kind::input}, {"s", Command::Kind::stop}, {"a", Command::Kind::answer}};
@@ -41,7 +39,9 @@ void bind_event(py::module_& module) {
       Field("u", &MotorEvent::u, "array (2,): the input (V), 0 for a stop."),
       Field("kind", &MotorEvent::kind,
             "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
-            "that could not be written; \"timeout\", the robot stopped without a line."));
+            "that could not be written; \"timeout\", the robot stopped without a line; "
+            "\"silence\", it "
+            "answered before, and has not for a second."));
   define_record(event, fields);
   define_repr(event, fields);
 }
@@ -206,6 +206,9 @@ robsim.lab.LineError
       .def_property_readonly("is_closed", &MotorLink::is_closed, "bool: True after `close`.")
       .def_property_readonly("events", &MotorLink::events,
                              "list of MotorEvent: what was sent; the newest 100 000.")
+      .def_property_readonly(
+          "is_silent", &MotorLink::is_silent,
+          "bool: whether the robot, which answered before, has not for a second.")
       .def_property_readonly(
           "round_trip_times",
           [](const MotorLink& self) {

@@ -420,6 +420,11 @@ class Grabber:
         list of int: grabbed, delivered, dropped, torn, timeouts, reopened.
         """
     @property
+    def kept_rate(self) -> tuple[float, float] | None:
+        """
+        The rate that is sent, and the promised one (1/s); None: the same.
+        """
+    @property
     def newest(self) -> Frame | None:
         """
         Frame or None: the one that was taken last.
@@ -1735,7 +1740,7 @@ class MotorEvent:
     @property
     def kind(self) -> str:
         """
-        str: "input", a new one; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped without a line.
+        str: "input", a new one; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped without a line; "silence", it answered before, and has not for a second.
         """
     @property
     def t(self) -> float:
@@ -1949,6 +1954,11 @@ class MotorLink:
     def is_halted(self) -> bool:
         """
         bool: True if it refuses inputs.
+        """
+    @property
+    def is_silent(self) -> bool:
+        """
+        bool: whether the robot, which answered before, has not for a second.
         """
     @property
     def name(self) -> str:
@@ -2247,7 +2257,7 @@ class ExternalWorld(World):
     """
     The world half outside. Users take robsim.Experiment.
     """
-    def __init__(self, *, frames: typing.Any, motors: typing.Any, frame_timeout: float, limits: Limits | None) -> None:
+    def __init__(self, *, frames: typing.Any, motors: typing.Any, frame_timeout: float, limits: Limits | None, longest_timeout: float) -> None:
         ...
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...

@@ -9,6 +9,7 @@ import textwrap
 import threading
 import time
 import traceback
+import warnings
 import weakref
 
 import numpy as np
@@ -26,6 +27,30 @@ pytestmark = pytest.mark.threads
 def numbered(count):
     """Return images that show their number."""
     return [np.full((24, 32, 3), k % 256, np.uint8) for k in range(count)]
+
+
+class TimedCamera(SteppedCamera):
+    """Its images were exposed at a rate, but for every eighth one, which comes twice as late."""
+
+    def __init__(self, rate, count=62):
+        super().__init__(numbered(count), permits=count + 1)
+        intervals = np.where(np.arange(count) % 8 == 7, 2, 1) / rate
+        self.exposed = iter(time.monotonic() - 100 + np.cumsum(intervals))
+
+    def read(self):
+        came = super().read()
+        return came and (came[0], next(self.exposed))
+
+
+@pytest.mark.parametrize(("rate", "told"), [(30, None), (20, None), (15, 15), (7.5, 7.5)])
+def test_a_rate_that_a_camera_does_not_keep_is_told(rate, told):
+    with robsim.Camera(TimedCamera(rate), fps=30, **PATIENT) as camera:
+        wait_for(lambda: camera.counts.grabbed == 62)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            robsim.Experiment(camera, measure=False, area=camera.size).run()
+        assert camera._grabber.kept_rate == (told and pytest.approx((told, 30)))
+    assert any(f"{told} frames/s, not 30" in str(one.message) for one in caught) == bool(told)
 
 
 def grabber_threads():

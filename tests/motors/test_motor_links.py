@@ -3,10 +3,12 @@
 import gc
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
+import warnings
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,7 +16,7 @@ import numpy as np
 import pytest
 
 import robsim
-from motor_lines import example
+from motor_lines import example, line
 from robsim.lab import (
     HaltedError,
     LineError,
@@ -69,6 +71,10 @@ def cut(terminal):
     terminal["robot"] = None
 
 
+def spin(step):
+    return 1, -1
+
+
 def kinds(thing):
     return [event.kind for event in thing.events]
 
@@ -98,6 +104,48 @@ def test_it_sends_and_says_when(robot, motors):
     assert kinds(robot) == ["input"]
     wait_for(lambda: len(motors.round_trip_times) > 0)
     assert (motors.round_trip_times > 0).all()
+
+
+def test_a_robot_that_answers_no_more_is_told():
+    answers, ended = threading.Event(), threading.Event()
+    answers.set()
+
+    def answer():
+        while not ended.is_set():
+            with suppress(TimeoutError):
+                words, sender = end.recvfrom(2048)
+                if answers.is_set():
+                    end.sendto(line(f"a {words.split()[1].decode()}"), sender)
+
+    def frames():
+        yield frame
+        wait_for(lambda: len(motors.round_trip_times) > 0)
+        answers.clear()
+        while not told:
+            yield frame
+        answers.set()
+        wait_for(lambda: not motors.is_silent)
+        yield frame
+
+    frame = robsim.Frame(np.zeros((64, 64, 3), np.uint8))
+    with (
+        warnings.catch_warnings(record=True) as told,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end,
+    ):
+        warnings.simplefilter("always")
+        end.bind(("127.0.0.1", 0))
+        end.settimeout(0.05)
+        port = end.getsockname()[1]
+        with in_thread(answer), UdpMotors("127.0.0.1", port, ttl=SHORT, hold=1000) as motors:
+            options = {"area": (64, 64), "measure": False, "frame_timeout": 300}
+            experiment = robsim.Experiment(frames(), send=motors, control=spin, **options)
+            trace = experiment.run()
+            assert "silence" in kinds(motors)
+            ended.set()
+    assert len(told) == 1
+    assert motors.name in str(told[0].message)
+    assert trace.unanswered.any()
+    assert not trace.unanswered[[0, -1]].any()
 
 
 def test_it_keeps_the_robot_going_while_python_does_something_else(robot):

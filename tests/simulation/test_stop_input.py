@@ -7,6 +7,7 @@ import gc
 import math
 import os
 import queue
+import re
 import signal
 import subprocess
 import sys
@@ -448,12 +449,32 @@ def test_a_frame_that_does_not_come_stops_the_robot_and_then_says_so():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("dt", "timeout"), [(None, 1), (0.2, 0.6), (0.02, 0.1)])
+@pytest.mark.parametrize(("dt", "timeout"), [(None, 1), (0.2, 0.6), (0.02, r"0\.[123]\d*")])
 def test_how_long_a_frame_is_waited_for_by_default(dt, timeout):
     stalled = Stalled(frame_timeout=None, dt=dt)
     with pytest.raises(TimeoutError, match=f"frame_timeout = {timeout} s"):
         stalled.sim.run()
     stalled.arrivals.put(None)
+
+
+def time_out_after(gap):
+    """The default time-out of frames that came so far apart."""
+    arrivals = Arrivals()
+    arrivals.dt = 0.05
+    epoch = time.monotonic() - gap
+    for t in (0, gap):
+        arrivals.put(robsim.Frame(IMAGE, t=t, t_arrival=t, epoch=epoch, plane_map=MAP))
+    with pytest.raises(TimeoutError) as raised:
+        experiment(Robot(), arrivals, frame_timeout=None).run()
+    arrivals.put(None)
+    return float(re.search(r"frame_timeout = ([\d.]+) s", str(raised.value))[1])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("gap", "timeout"), [(0.05, 0.15), (0.1, 0.2), (5, 0.3)])
+def test_the_default_time_out_follows_the_jitter_within_bounds(gap, timeout):
+    # On a busy machine the second frame may be taken too late.
+    assert any(time_out_after(gap) == pytest.approx(timeout) for _ in range(20))
 
 
 @pytest.mark.parametrize(

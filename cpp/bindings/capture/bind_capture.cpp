@@ -107,6 +107,8 @@ bgr : bool
           "timeout"_a, "Return the newest frame, not taken yet; None without a new one.")
       .def_property_readonly("newest", &Grabber::newest,
                              "Frame or None: the one that was taken last.")
+      .def_property_readonly("kept_rate", &Grabber::kept_rate,
+                             "The rate that is sent, and the promised one (1/s); None: the same.")
       .def_property_readonly("counts", &counts_of,
                              "list of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
       .def(

@@ -317,8 +317,8 @@ InputSink sink_of(const py::object& motors) {
 class PythonSource : public ExternalWorld, public SlotValues {
  public:
   PythonSource(const py::object& frames, const py::object& motors, double frame_timeout,
-               const std::optional<Limits>& limits)
-      : ExternalWorld(source_of(frames), sink_of(motors), frame_timeout, limits) {
+               const std::optional<Limits>& limits, double longest_timeout)
+      : ExternalWorld(source_of(frames), sink_of(motors), frame_timeout, limits, longest_timeout) {
     values = {{"frames", frames}, {"motors", motors}};
   }
   ~PythonSource() override { close(); }
@@ -335,8 +335,10 @@ void bind_external_world(py::module_& module) {
       public_in(module, "robsim._core"), "ExternalWorld",
       "The world half outside. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
-      .def(py::init<const py::object&, const py::object&, double, const std::optional<Limits>&>(),
-           py::kw_only(), "frames"_a, "motors"_a, "frame_timeout"_a, "limits"_a);
+      .def(py::init<const py::object&, const py::object&, double, const std::optional<Limits>&,
+                    double>(),
+           py::kw_only(), "frames"_a, "motors"_a, "frame_timeout"_a, "limits"_a,
+           "longest_timeout"_a);
 }
 
 }  // namespace

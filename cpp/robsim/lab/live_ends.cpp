@@ -33,7 +33,7 @@ InputSink inputs_to(std::shared_ptr<MotorLink> link) {
     const NativeWork native;
     return link->stop_quietly() ? std::optional(Input{}) : std::nullopt;
   };
-  return {send, stop, [link] { link->halt(); }, false};
+  return {send, stop, [link] { link->halt(); }, false, [link] { return link->is_silent(); }};
 }
 
 }  // namespace robsim

@@ -69,6 +69,7 @@ void Recorder::record(const World& world, const RobotSoftware& robot,
   if (step.u) write_input(*columns_.u, *step.u);
   if (observation.last_u) write_input(trace_.column("last_u"), *observation.last_u);
   if (interrupted) *trace_.writable(trace_.column("interrupted")) = 1;
+  if (world.is_robot_silent()) *trace_.writable(trace_.column("unanswered")) = 1;
   record_parameters(robot);
   if (step.measurement && !columns_.measured) prepare_measurement(robot);
   record_measurement(step, robot.held());

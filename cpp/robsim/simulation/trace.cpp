@@ -203,6 +203,8 @@ std::vector<TraceGroup> make_schema() {
       flag("interrupted",
            "The robot was stopped after the step before: this one does not follow from its input "
            "(N,)."),
+      flag("unanswered",
+           "The robot answered before, and had not for a second when the input went out (N,)."),
       group("t_arrival", {}, {{"t_arrival", "s"}},
             "When the frame reached this computer (N,), by the clock of `t` (s)."),
       group("t_sent", {}, {{"t_sent", "s"}},

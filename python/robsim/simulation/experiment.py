@@ -19,6 +19,7 @@ from robsim._core import (
     Frame,
     Limits,
     MarkerLayout,
+    MotorLink,
     Observation,
     RobotModel,
     RobotParameters,
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
 _FRAME_TIMEOUT = 1.0  # s, if the frames have no rate
 _FRAME_INTERVALS = 3  # if they have
 _LEAST_FRAME_TIMEOUT = 0.1  # s; no interpreter is punctual
+_LONGEST_FRAME_TIMEOUT = 0.3  # s, by default; so long a robot drives when the line is cut, too
 
 
 class Experiment(Runner):
@@ -86,8 +88,9 @@ class Experiment(Runner):
         long for the first one; otherwise the robot is stopped and the run ends with a TimeoutError.
         That covers a late frame, a callback that takes too long, and one that holds the
         interpreter, if `send` needs none: a watchdog in a thread of its own stops the robot, after
-        `step`, too. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s if they
-        have none; without `send` no limit (inf).
+        `step`, too. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s without
+        one. It grows to twice the longest time between two frames that were taken, up to
+        0.3 s. Without `send` no limit (inf).
     limits : robsim.lab.Limits, optional
         What the inputs are held to before they are sent. ``step.u`` and the trace have them as
         they were sent.
@@ -198,6 +201,7 @@ class Experiment(Runner):
                 motors=self._motors,
                 frame_timeout=timeout,
                 limits=None if limits is None else limits_value(limits),
+                longest_timeout=timeout if frame_timeout else _LONGEST_FRAME_TIMEOUT,
             ),
             robot=definition,
             area=self._source.area,
@@ -319,11 +323,32 @@ class Experiment(Runner):
         self._tell_stop_error(None)
 
     def _run_guarded(self, steps: int, progress: bool | str, total: int | None) -> bool:
-        try:
-            return super()._run_guarded(steps, progress, total)
-        finally:
-            if self._recording is not None:
-                self._recording.flush()
+        with self._looking_up(self._look_at_ends(self._pulse)):
+            try:
+                return super()._run_guarded(steps, progress, total)
+            finally:
+                if self._recording is not None:
+                    self._recording.flush()
+
+    def _look_at_ends(self, pulse: Callable[[int], None] | None) -> Callable[[int], None]:
+        """Return `pulse`, followed by warnings of camera and motors in the middle of a run."""
+
+        def look(done: int) -> None:
+            if pulse is not None:
+                pulse(done)
+            self._tell_doubts()
+
+        return look
+
+    @property
+    def _doubts(self) -> list[str]:
+        doubts = [*super()._doubts, *self._source.doubts]
+        if isinstance(self._motors, MotorLink) and self._motors.is_silent:
+            doubts.append(
+                f"the robot at {self._motors.name} answered before, and has not for a second: is "
+                "the line cut, or the robot off?"
+            )
+        return doubts
 
     def _prepare(self) -> None:
         try:

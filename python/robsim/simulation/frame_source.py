@@ -94,6 +94,17 @@ class FrameSource:
         return getattr(self._frames, "counts", None) if self.is_live else None
 
     @property
+    def doubts(self) -> list[str]:
+        """Warnings of the camera: a rate that it does not keep."""
+        if self._grabber is None or (rates := self._grabber.kept_rate) is None:
+            return []
+        sent, asked = rates
+        return [
+            f"the camera sends {sent:.3g} frames/s, not {asked:.3g}: give fps={sent:.3g}, or more "
+            "light; in dim light webcams halve their rate"
+        ]
+
+    @property
     def mm_per_px(self) -> float | None:
         """Length of a px of the work area on the floor (mm), as calibrated; None = not known."""
         return getattr(self._calibration or self._frames, "mm_per_px", None)

@@ -90,7 +90,7 @@ class Runner(Slotted):
         self._n_resets = 0  # counted once the steps are gone
         self._is_marker_size_known = False
         self._changed: tuple[str, ...] = ()  # options, in the middle of the run
-        self._n_doubts = 0  # warned of by now
+        self._warned: set[str] = set()  # doubts that were warned of
         self._world_half = world  # here the garbage collector sees into it
         self._core = _core.Loop(
             world=world,
@@ -194,7 +194,13 @@ class Runner(Slotted):
         label = progress if isinstance(progress, str) else None
         before = self._core.rows
         with progress_bar(total=total, unit="step", desc=label) as bar, self._guarded():
-            is_at_end = self._core.run(steps, lambda done: bar.update(done - bar.n))
+
+            def show(done: int) -> None:
+                bar.update(done - bar.n)
+                if self._pulse is not None:
+                    self._pulse(done)
+
+            is_at_end = self._core.run(steps, show)
             bar.update(self._core.rows - before - bar.n)
         return is_at_end
 
@@ -288,11 +294,11 @@ class Runner(Slotted):
     @contextmanager
     def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
         """Call `pulse` every 50 ms or so of runs inside, in their thread; it may stop the runs."""
-        self._pulse = pulse
+        self._pulse, before = pulse, self._pulse
         try:
             yield
         finally:
-            self._pulse = None
+            self._pulse = before
 
     def _watched(self) -> AbstractContextManager[None]:
         """Enforce the time limit with one watchdog on all steps and runs in the context."""
@@ -304,11 +310,19 @@ class Runner(Slotted):
         try:
             yield
         finally:
-            if self._warns and not self._core.is_running:
-                doubts = self._core.doubts
-                self._n_doubts, seen = len(doubts), self._n_doubts
-                for doubt in doubts[seen:]:
-                    warn_user(doubt)
+            if not self._core.is_running:
+                self._tell_doubts()
+
+    @property
+    def _doubts(self) -> list[str]:
+        """Warnings of the run so far, such as of implausible results; any thread may ask."""
+        return self._core.doubts
+
+    def _tell_doubts(self) -> None:
+        for doubt in self._doubts if self._warns else ():
+            if doubt not in self._warned:
+                self._warned.add(doubt)
+                warn_user(doubt)
 
     def _start(self) -> None:
         if not self._core.has_started:
@@ -365,7 +379,7 @@ class Runner(Slotted):
         self._rng = None
         self._run_info = []
         self._changed = ()
-        self._n_doubts = 0
+        self._warned = set()
 
     def _seed_core(self) -> None:
         self._core.set_controller_seed(seeds.stream_number(self._seed, "controller"))

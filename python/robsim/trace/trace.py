@@ -138,6 +138,7 @@ class Trace:
     last_u = Column()
     hidden = Flag()
     interrupted = Flag()
+    unanswered = Flag()
     t_arrival = Column()
     t_sent = Column()
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "robsim/base/system.hpp"
 #include "robsim/lab/capture/frame_clock.hpp"
@@ -18,6 +20,8 @@ namespace {
 constexpr int timeouts_before_reopening = 3;
 constexpr double shortest_call = 1e-3;  // s; a device should wait for a frame longer than this
 constexpr double longest_wait = 1e6;    // s; a condition variable overflows at more
+constexpr std::size_t watched = 30;     // times between frames
+constexpr double alike = 0.8;           // of these, share
 
 using Lock = std::unique_lock<std::mutex>;
 using Seconds = std::chrono::duration<double>;
@@ -46,15 +50,17 @@ struct Grabber::State {
   std::optional<std::pair<int, int>> seen;  // size of the first frame
   std::exception_ptr error;                 // that ended the camera
   CaptureCounts counts;
+  std::optional<std::pair<double, double>> kept_rate;
   bool stops = false;
   bool has_ended = false;
 
   // Of the grabbing thread:
   std::optional<std::pair<int, int>> size;
   FrameClock clock;
-  std::optional<double> epoch;
+  std::optional<double> epoch, last_t;
   PlaneMap plane_map;
   std::int64_t n_captured = 0;
+  std::vector<double> intervals;  // between frames, s
   ImagePool pool;
 
   bool is_stopping() const {
@@ -82,6 +88,7 @@ struct Grabber::State {
 
   void check_size(const Image& image);
   Frame frame_of(const Captured& captured);
+  std::optional<double> watch_rate(const Frame& frame, std::int64_t count);
   void receive(const Captured& captured);
   void grab_until_fault();
   bool open_again();
@@ -120,12 +127,36 @@ Frame Grabber::State::frame_of(const Captured& captured) {
   return frame;
 }
 
+// Of a frame that comes `count` images after the last one: the rate, if it has turned out to be a
+// fraction of the promised one.
+std::optional<double> Grabber::State::watch_rate(const Frame& frame, std::int64_t count) {
+  const std::optional<double> before = std::exchange(last_t, frame.t);
+  if (!options.interval || !before) return {};
+  intervals.push_back((*frame.t - *before) / static_cast<double>(count));
+  if (intervals.size() < watched) return {};
+  std::vector<double> all;
+  all.swap(intervals);
+  std::sort(all.begin(), all.end());
+  const double middle = all[watched / 2];
+  const double multiple = std::round(middle / *options.interval);
+  const auto same = std::count_if(all.begin(), all.end(), [&](double one) {
+    return std::round(one / *options.interval) == multiple;
+  });
+  if (multiple < 2 || static_cast<double>(same) <= alike * watched) return {};
+  return 1 / middle;
+}
+
 void Grabber::State::receive(const Captured& captured) {
   std::optional<Frame> frame;
+  std::optional<double> rate;
   n_captured += captured.passed + captured.torn;
-  if (captured.is_complete) frame = frame_of(captured);
+  if (captured.is_complete) {
+    frame = frame_of(captured);
+    rate = watch_rate(*frame, captured.passed + captured.torn + 1);
+  }
   ++n_captured;
   const Lock lock(mutex);
+  if (rate && !kept_rate) kept_rate = {*rate, 1 / *options.interval};
   counts.torn += captured.torn;
   if (!frame) {
     ++counts.torn;
@@ -268,6 +299,12 @@ CaptureCounts Grabber::counts() const {
   check_process();
   const Lock lock(state_->mutex);
   return state_->counts;
+}
+
+std::optional<std::pair<double, double>> Grabber::kept_rate() const {
+  check_process();
+  const Lock lock(state_->mutex);
+  return state_->kept_rate;
 }
 
 void Grabber::close(double patience) noexcept {

@@ -23,6 +23,7 @@ constexpr int quick_stops = 5;           // in a row, since a line may be lost
 constexpr double quick_interval = 0.02;  // s, between them
 constexpr double stop_time = 2;          // s, for which it is told to stop
 constexpr std::size_t most_round_trips = 1000;
+constexpr double silence = 1;  // s without an answer
 
 }  // namespace
 
@@ -66,6 +67,8 @@ struct MotorLink::State {
   std::optional<std::string> error, stop_error, last_stop_error;
   std::array<double, 64> written_at{};  // the newest lines, by number
   std::deque<double> round_trips;
+  std::optional<double> unanswered_since;
+  bool is_silent = false;
   EventLog log;
 };
 
@@ -115,6 +118,8 @@ void MotorLink::State::listen() {
         if (age >= written_at.size()) continue;
         if (round_trips.size() == most_round_trips) round_trips.pop_front();
         round_trips.push_back(now - written_at[answer->number % written_at.size()]);
+        unanswered_since.reset();
+        is_silent = false;
       }
     }
   } catch (const LineError& failure) {
@@ -136,6 +141,11 @@ double MotorLink::State::write(Command::Kind kind, MotorEvent::Kind event) {
   }
   const double now = monotonic_now();
   log.add({now, sent, event});
+  if (!unanswered_since) unanswered_since = now;
+  if (!is_silent && !round_trips.empty() && now - *unanswered_since > silence) {
+    is_silent = true;
+    log.add({now, sent, MotorEvent::Kind::silence});
+  }
   return now;
 }
 
@@ -160,6 +170,7 @@ void MotorLink::State::tell_to_stop() {
     schedule(now + time_to_live / 3);
   } else {
     mode = Mode::idle;
+    unanswered_since.reset();  // nothing is asked
     schedule(never);
   }
 }
@@ -283,6 +294,10 @@ bool MotorLink::is_closed() const {
 
 std::vector<MotorEvent> MotorLink::events() const {
   return state_.read([](const State& s) { return s.log.get(); });
+}
+
+bool MotorLink::is_silent() const {
+  return state_.read([](const State& s) { return s.is_silent; });
 }
 
 std::vector<double> MotorLink::round_trip_times() const {

@@ -64,6 +64,9 @@ class MotorLink {
   /// How long answers took, the newest ones (s). Empty: the robot does not answer.
   std::vector<double> round_trip_times() const;
 
+  /// Whether the robot answered before, and has answered no line for a second.
+  bool is_silent() const;
+
  private:
   struct State;
 

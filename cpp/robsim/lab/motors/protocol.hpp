@@ -65,6 +65,7 @@ struct MotorEvent {
     stop,     // it was told to
     failure,  // a line that could not be written
     timeout,  // the robot stopped by itself: it had heard nothing for the time to live
+    silence,  // the robot, which had answered before, has not for a second
   };
 
   double t = 0;  // monotonic, s

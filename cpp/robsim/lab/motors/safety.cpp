@@ -112,6 +112,8 @@ void Watchdog::arm(double timeout) {
   state.changed.notify_all();
 }
 
+void Watchdog::set_timeout(double timeout) { state_.unchecked().timeout = timeout; }
+
 void Watchdog::feed(double arrived) {
   State& state = state_.unchecked();
   const double deadline = std::min(arrived, monotonic_now()) + state.timeout;

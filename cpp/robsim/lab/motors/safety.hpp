@@ -33,6 +33,9 @@ class Watchdog {
   /// never). Throws std::invalid_argument, and std::runtime_error in a forked process.
   void arm(double timeout);
 
+  /// Another time-out (s), from the next call of `feed` on.
+  void set_timeout(double timeout);
+
   /// What was waited for arrived at this time (monotonic, s): the next is due one time-out later. A
   /// time in the future counts as now. Costs no system call.
   void feed(double arrived);

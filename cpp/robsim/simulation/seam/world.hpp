@@ -56,6 +56,9 @@ class World : public Camera {
   /// True if the robot was stopped already, without a call of `stop`.
   virtual bool was_stopped() const { return false; }
 
+  /// True if the robot answered before, and no longer does.
+  virtual bool is_robot_silent() const { return false; }
+
   /// True if its frames do not wait for anybody: a step that was broken off cannot go on later.
   virtual bool is_live() const { return false; }
 

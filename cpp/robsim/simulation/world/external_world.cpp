@@ -1,5 +1,6 @@
 #include "robsim/simulation/world/external_world.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -11,7 +12,9 @@ namespace robsim {
 
 namespace {
 
-constexpr double first_frame = 10;  // frame_timeouts
+constexpr double first_frame = 10;   // frame_timeouts
+constexpr double jitter_factor = 2;  // by which the time-out exceeds the gaps between frames
+constexpr double most_proposed = 1;  // s; what takes longer is no jitter
 
 std::string seconds(double t) { return "t = " + to_text(t) + " s"; }
 
@@ -23,10 +26,11 @@ std::optional<double> own_time(const Arrived& arrived) {
 }  // namespace
 
 ExternalWorld::ExternalWorld(FrameSource frames, InputSink inputs, double frame_timeout,
-                             const std::optional<Limits>& limits)
+                             const std::optional<Limits>& limits, double longest_timeout)
     : frames_(std::move(frames)),
       inputs_(std::move(inputs)),
       frame_timeout_(frame_timeout),
+      longest_timeout_(longest_timeout),
       limits_(limits) {
   const bool is_watched = inputs_.halt && !std::isinf(frame_timeout);
   if (is_watched) watchdog_ = std::make_unique<Watchdog>(inputs_.halt);
@@ -76,8 +80,13 @@ void ExternalWorld::note_arrival(Arrived& arrived, bool is_fresh) {
     arrived.known.t_arrival = arrived.frame->t_arrival.value_or(now - *epoch_);
   }
   if (!is_fresh) return;
+  const double before = last_arrival_;
   last_arrival_ = arrived.known.t_arrival ? *arrived.known.t_arrival + *epoch_ : now;
-  if (is_armed_) watchdog_->feed(last_arrival_);
+  if (!is_armed_) return;
+  const double followed = std::min(jitter_factor * (last_arrival_ - before), longest_timeout_);
+  frame_timeout_ = std::max(frame_timeout_, followed);
+  watchdog_->set_timeout(frame_timeout_);
+  watchdog_->feed(last_arrival_);
 }
 
 double ExternalWorld::time_of(std::int64_t k, const Arrived& arrived) const {
@@ -129,8 +138,15 @@ void ExternalWorld::check_wait(std::int64_t k) const {
   const double limit = k == 0 ? first_frame * frame_timeout_ : frame_timeout_;
   if (monotonic_now() - *waiting_since_ < limit) return;
   throw FrameTimeout("no frame came for step " + std::to_string(k) + " within " +
-                     (k == 0 ? to_text(first_frame) + " times " : "") +
-                     "frame_timeout = " + to_text(frame_timeout_) + " s");
+                     (k == 0 ? to_text(first_frame) + " times " : "") + "frame_timeout = " +
+                     to_text(frame_timeout_) + " s" + (k == 0 ? "" : proposal()));
+}
+
+// A time-out for frames as late as this one.
+std::string ExternalWorld::proposal() const {
+  const double enough = jitter_factor * (monotonic_now() - last_arrival_);
+  if (enough > most_proposed) return "";
+  return ": for a frame that is only late, " + to_text(std::ceil(20 * enough) / 20) + " s would do";
 }
 
 void ExternalWorld::check_watchdog(std::int64_t k) const {
@@ -138,7 +154,7 @@ void ExternalWorld::check_watchdog(std::int64_t k) const {
   throw FrameTimeout("the robot was stopped, as no fresh frame was taken within frame_timeout = " +
                      to_text(frame_timeout_) + " s of the arrival of that of step " +
                      std::to_string(k) +
-                     ": the callbacks took too long, or give a longer frame_timeout");
+                     ": the callbacks took too long, or give a longer frame_timeout" + proposal());
 }
 
 std::optional<Input> ExternalWorld::stop() noexcept {

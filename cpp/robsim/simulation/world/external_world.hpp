@@ -31,6 +31,7 @@ struct InputSink {
   std::function<std::optional<Input>()> stop;  // see World::stop; must not throw
   std::function<void()> halt;  // for the watchdog, must not throw; empty: no watchdog
   bool is_interpreted = true;
+  std::function<bool()> is_silent = {};  // see World::is_robot_silent
 };
 
 /// No fresh frame came in time: the robot was stopped.
@@ -46,9 +47,10 @@ class ExternalWorld : public World {
   /// Waits for a frame at most for `frame_timeout` (s, inf = any time), and ten times as long for
   /// the first frame: a camera may have to warm up, and the robot still stands. A watchdog halts
   /// the robot when that time has passed since the arrival of the last fresh frame. Inputs are held
-  /// to `limits` before they are sent.
+  /// to `limits` before they are sent. While the robot drives, the time-out grows to twice the
+  /// longest time between the arrivals of two frames taken, up to `longest_timeout` (s).
   ExternalWorld(FrameSource frames, InputSink inputs, double frame_timeout,
-                const std::optional<Limits>& limits = {});
+                const std::optional<Limits>& limits = {}, double longest_timeout = 0);
 
   void start(const RobotModel& model) override;
   void reset() override;
@@ -66,6 +68,7 @@ class ExternalWorld : public World {
     return frames_.is_interpreted || (inputs_.send && inputs_.is_interpreted);
   }
   bool is_live() const override { return frames_.is_live || epoch_; }
+  bool is_robot_silent() const override { return inputs_.is_silent && inputs_.is_silent(); }
   bool was_stopped() const override { return is_armed_ && watchdog_->has_expired(); }
   Frame frame() override;
 
@@ -73,12 +76,14 @@ class ExternalWorld : public World {
   void note_arrival(Arrived& arrived, bool is_fresh);
   void check_wait(std::int64_t k) const;
   void check_watchdog(std::int64_t k) const;
+  std::string proposal() const;
   double time_of(std::int64_t k, const Arrived& arrived) const;
   void check_size(std::int64_t k, const Image& image);
 
   FrameSource frames_;
   InputSink inputs_;
-  const double frame_timeout_;           // s
+  double frame_timeout_;                 // s
+  const double longest_timeout_;         // s
   std::optional<double> waiting_since_;  // monotonic, s, for the next frame
   std::unique_ptr<Watchdog> watchdog_;   // null: it is off
   bool is_armed_ = false;

@@ -99,8 +99,9 @@ class Camera(Closing):
         Frames per second: asked of a camera by number, on FireWire or on GigE; that of another
         address, which tells none; the rate at which a folder is played. Default: that of the file;
         on FireWire 30, or the next lower one that the camera, and the bus, can have; on GigE that
-        which the camera has; otherwise `dt` is unknown. Where FireWire or GigE sends another rate
-        than was asked for, a warning says so, and `dt` which.
+        which the camera has; otherwise `dt` is unknown. On FireWire and GigE a warning names
+        another rate than the required one, and `dt` has it. A run warns of any camera that sends a
+        half, a third or less of it.
     coding : str, optional
         How a camera codes its pixels: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,

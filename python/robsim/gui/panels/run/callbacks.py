@@ -48,7 +48,7 @@ class Callbacks(Part):
         self._told: _Slots = []
         self._files = self._runner._from_folder
         self._due = self._may_edit = 0.0
-        self._n_doubts = 0  # that were noted
+        self._noted: set[str] = set()  # doubts
 
     def handlers(self) -> Handlers:
         return {"source": self._source, "edit": self._edit}
@@ -57,10 +57,10 @@ class Callbacks(Part):
         self._send(link, self._described())
 
     def take(self, step: Step) -> None:
-        doubts = self._runner._core.doubts
-        self._n_doubts, seen = len(doubts), self._n_doubts
-        for doubt in doubts[seen:]:
-            self.panel.note(doubt[:1].upper() + doubt[1:], level="warning")
+        for doubt in self._runner._doubts:
+            if doubt not in self._noted:
+                self._noted.add(doubt)
+                self.panel.note(doubt[:1].upper() + doubt[1:], level="warning")
 
     def changed(self) -> None:
         if self.panel.driver.state == "closed":
