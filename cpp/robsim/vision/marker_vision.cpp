@@ -197,7 +197,7 @@ constexpr double unexplained = 3;
 
 // Above this, blobs are no markers. It and the weights below divide 5000 pictures of robots, dark,
 // faded, hidden, compressed or defined wrong, from videos and photos without one.
-constexpr double most_unlike = -2.5;
+constexpr double most_unlike = -2.3;
 
 // How little the blobs are like the outlines where the fit puts them.
 double unlikeness(const Measurement& measurement, double moved, const MarkerLayout& markers,

@@ -323,22 +323,19 @@ class Experiment(Runner):
         self._tell_stop_error(None)
 
     def _run_guarded(self, steps: int, progress: bool | str, total: int | None) -> bool:
-        with self._looking_up(self._look_at_ends(self._pulse)):
-            try:
-                return super()._run_guarded(steps, progress, total)
-            finally:
-                if self._recording is not None:
-                    self._recording.flush()
-
-    def _look_at_ends(self, pulse: Callable[[int], None] | None) -> Callable[[int], None]:
-        """Return `pulse`, followed by warnings of camera and motors in the middle of a run."""
+        pulse = self._pulse
 
         def look(done: int) -> None:
             if pulse is not None:
                 pulse(done)
             self._tell_doubts()
 
-        return look
+        with self._looking_up(look):
+            try:
+                return super()._run_guarded(steps, progress, total)
+            finally:
+                if self._recording is not None:
+                    self._recording.flush()
 
     @property
     def _doubts(self) -> list[str]:

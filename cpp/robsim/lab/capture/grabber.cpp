@@ -134,16 +134,15 @@ std::optional<double> Grabber::State::watch_rate(const Frame& frame, std::int64_
   if (!options.interval || !before) return {};
   intervals.push_back((*frame.t - *before) / static_cast<double>(count));
   if (intervals.size() < watched) return {};
-  std::vector<double> all;
-  all.swap(intervals);
-  std::sort(all.begin(), all.end());
-  const double middle = all[watched / 2];
+  std::nth_element(intervals.begin(), intervals.begin() + watched / 2, intervals.end());
+  const double middle = intervals[watched / 2];
   const double multiple = std::round(middle / *options.interval);
-  const auto same = std::count_if(all.begin(), all.end(), [&](double one) {
+  const auto same = std::count_if(intervals.begin(), intervals.end(), [&](double one) {
     return std::round(one / *options.interval) == multiple;
   });
-  if (multiple < 2 || static_cast<double>(same) <= alike * watched) return {};
-  return 1 / middle;
+  intervals.clear();
+  const bool is_fraction = multiple >= 2 && static_cast<double>(same) > alike * watched;
+  return is_fraction ? std::optional(1 / middle) : std::nullopt;
 }
 
 void Grabber::State::receive(const Captured& captured) {
