@@ -180,7 +180,7 @@ def test_what_is_wrong_in_a_file(tmp_path):
 def test_files_that_are_none(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"missing\.toml"):
         Scenario.load(tmp_path / "missing.toml")
-    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\0")
     with pytest.raises(ValueError, match=r"bytes\.toml"):
         Scenario.load(tmp_path / "bytes.toml")
     with pytest.raises(TypeError, match="text"):

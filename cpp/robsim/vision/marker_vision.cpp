@@ -200,7 +200,7 @@ constexpr double unexplained = 3;
 constexpr double most_unlike = -2.3;
 
 // How little the blobs are like the outlines where the fit puts them.
-double unlikeness(const Measurement& measurement, double moved, const MarkerLayout& markers,
+double unlikeness(const Measurement& measurement, const PoseFit& fit, const MarkerLayout& markers,
                   const PlaneMap& map) {
   const auto [sin, cos] = elementary::sin_cos(measurement.pose.heading);
   double share = std::numeric_limits<double>::infinity();  // of an outline's area, the smaller one
@@ -212,7 +212,7 @@ double unlikeness(const Measurement& measurement, double moved, const MarkerLayo
       corner = map.to_pixel({measurement.pose.x + corner.x * cos - corner.y * sin,
                              measurement.pose.y + corner.x * sin + corner.y * cos});
     }
-    const auto extent = [&](double Point::*part) {
+    const auto extent = [&](double Point::* part) {
       const auto [least, most] =
           std::minmax_element(outline.begin(), outline.end(),
                               [&](const Point& a, const Point& b) { return a.*part < b.*part; });
@@ -224,8 +224,8 @@ double unlikeness(const Measurement& measurement, double moved, const MarkerLayo
     share = std::min(share, relative);
     fill = std::min(fill, relative * extent(&Point::x) * extent(&Point::y) / box);
   }
-  const double left = measurement.misfit / measurement.signal_to_noise;
-  return elementary::log(left / share) + moved / 4 - 3 * fill;
+  const double left = fit.remainder / fit.signal_to_noise;
+  return elementary::log(left / share) + fit.moved / 4 - 3 * fill;
 }
 
 // Refines a measurement in the image.
@@ -260,10 +260,10 @@ void refine(Detection& detection, const ImageView& image, const PlaneMap& map, i
     detection.result = DetectionResult::noise;
     detection.cause = measurement.signal_to_noise;
     detection.measurement.reset();
-  } else if (fit && fit->misfit > unexplained &&
-             unlikeness(measurement, fit->moved, markers, map) > most_unlike) {
+  } else if (fit && fit->remainder > unexplained &&
+             unlikeness(measurement, *fit, markers, map) > most_unlike) {
     detection.result = DetectionResult::shape;
-    detection.cause = fit->misfit;
+    detection.cause = fit->remainder;
     detection.measurement.reset();
   }
 }

@@ -324,7 +324,7 @@ class Fit {
   std::optional<PoseFit> result(double factor) const {
     PoseFit fit;
     fit.pose = at_.pose;
-    fit.misfit = factor;
+    fit.misfit = fit.remainder = factor;
     fit.has_converged = has_converged_;
     fit.moved = moved_from(start_);
     // The integral of phi(q)^2 of a normal edge, 1/(2 sqrt(pi)), over that of T'^2.

@@ -198,10 +198,13 @@ class Recording:
         return f"<Recording {one_line(self.source)}: {frames}, {dt}>"
 
     def _first_size(self) -> tuple[int, int]:
-        pictures = (one for one in self._images.read() if not isinstance(one, ValueError))
-        if (first := next(pictures, None)) is None:
-            raise ValueError(f"{one_line(self.source)} has no frames that can be read")
-        return frame_size(first)
+        reason = None
+        for picture in self._images.read():
+            if not isinstance(picture, ValueError):
+                return frame_size(picture)
+            reason = reason or picture
+        why = "" if reason is None else f" that can be read: {reason}"
+        raise ValueError(f"{one_line(self.source)} has no frames{why}")
 
 
 def left_out(unread: Sequence[ValueError | None], count: int) -> str:
