@@ -16,7 +16,7 @@ struct PoseFit {
   Pose pose;
   PoseCovariance covariance;   // of x, y (work-area px) and heading (rad)
   double misfit = 1;           // factor on the variance, for what the fit leaves is no noise alone
-  double remainder = 1;        // the same before edges are doubted
+  double remainder = 1;        // before edges are doubted.
   double signal_to_noise = 0;  // of the edges of both markers together
   bool has_converged = false;
   double moved = 0;  // frame px from the start: the marker that moved further
