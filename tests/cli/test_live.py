@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 import robsim
+import sessions
 from commands import command, interruptible
+from robsim.cli.lab.driving import StatusLine
 from robsim.lab import MotorReceiver
 from robsim.trace import Session
 from robsim.vision import save_video
@@ -169,6 +171,20 @@ def test_a_signal_stops_the_robot_and_keeps_the_results(number, film, tmp_path):
         assert receiver.events[-1].kind == "stop"
     trace = robsim.Trace.load(tmp_path / "robsim-live/trace.npz")
     assert trace.u.any()
+
+
+@pytest.mark.filterwarnings("ignore:.*cannot be written", "ignore:.*the first error was")
+def test_the_status_line_says_what_is_not_recorded(film, tmp_path, monkeypatch):
+    record = tmp_path / "s"
+    with (
+        robsim.Camera(str(film), area=(400, 400)) as camera,
+        robsim.Experiment(camera, record=record, frame_timeout=300, robot="lab") as experiment,
+    ):
+        line = StatusLine(experiment, camera, None)
+        assert "NOT RECORDED" not in line.text(experiment.run(1))
+        sessions.fill_disk(monkeypatch)
+        trace = experiment.run(1)
+        wait_for(lambda: "NOT RECORDED" in line.text(trace))
 
 
 @pytest.mark.slow

@@ -25,9 +25,11 @@ import worker_answers
 from fuzzing import SEEDS, attempt, fuzzed, mutations, refused
 from robsim.campaigns import campaign
 from robsim.trace import Session
+from robsim.trace.sessions._setup import setup_text
+from robsim.trace.sessions.rows import KEYS
 from robsim.vision import load_image, save_colors, save_video
 from scenarios import FULL
-from sessions import record
+from sessions import SETUP, record, write_file
 
 pytestmark = pytest.mark.fuzz
 
@@ -252,41 +254,59 @@ def test_videos(video, data):
     check_video(path)
 
 
-def check_session(folder):
-    session = attempt(Session, folder)
+def check_session(path):
+    session = attempt(Session, path)
     if session is not None:
         assert len(repr(session)) < 10_000
         attempt(list, session)
-        session.trace.save(folder / "again.npz")
+        attempt(session.full_trace)
 
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     pytest.importorskip("cv2")
-    folder = tmp_path_factory.mktemp("recorded") / "run"
-    record(folder, 5).close()
-    return folder
+    file = tmp_path_factory.mktemp("recorded") / "run.mcap"
+    record(file, 5).close(small_run().trace)
+    return [file.read_bytes(), *corpus("sessions")]
 
 
 @pytest.mark.long
 @fuzzed
 @given(st.data())
 def test_sessions(recorded, scratch, data):
-    """A session with damage in one of its files, or with a file of another kind in its place."""
+    path = scratch / "damaged.mcap"
+    path.write_bytes(some(data, recorded))
+    check_session(path)
+
+
+@pytest.mark.long
+@fuzzed
+@given(st.data())
+def test_steps_of_sessions(scratch, data):
+    odd = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=9))
+    odd |= st.lists(odd, max_size=18)
+    steps = [{"k": k, "t": float(k), "u": [1.0, 2.0], "reason": ""} for k in range(3)]
+    names = st.sampled_from(KEYS)
+    steps[1] |= data.draw(st.dictionaries(names, odd, max_size=3))
+    lines = [(json.dumps(step).encode(), None) for step in steps]
+    path = scratch / "odd.mcap"
+    write_file(path, setup_text(SETUP, kind="PNG"), lines)
+    check_session(path)
+
+
+@pytest.mark.long
+@fuzzed
+@given(st.data())
+def test_folders_of_sessions(scratch, data):
+    """A folder of an earlier robsim with damage in a file, or with one of another kind for it."""
     folder = scratch / "session"
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(recorded, folder)
-    files = sorted(file for file in folder.iterdir() if file.is_file())
+    shutil.copytree(CORPUS.parents[1] / "data/0.1.0/session", folder)
+    files = sorted(folder.iterdir())
     file = data.draw(st.sampled_from(files))
     file.write_bytes(
         some(data, [file.read_bytes(), data.draw(st.sampled_from(files)).read_bytes()])
     )
-    if file.name == "steps.csv" and data.draw(st.booleans()):
-        lines = recorded.joinpath(file.name).read_bytes().splitlines(keepends=True)
-        cells = lines[1].split(b",")
-        odd = (b"", b"-1", b"nan", b"1e400", b"9" * 30, b'"', b"=1", b"<b>", b"1 2 3")
-        cells[data.draw(st.integers(0, len(cells) - 1))] = data.draw(st.sampled_from(odd))
-        file.write_bytes(b"".join([lines[0], b",".join(cells).rstrip() + b"\n", *lines[2:]]))
     check_session(folder)
 
 
@@ -392,6 +412,7 @@ READERS = {
     "robots": check_robot,
     "pictures": check_picture,
     "videos": check_video,
+    "sessions": check_session,
 }
 
 

@@ -36,7 +36,7 @@ KEPT = {
     ),
     "kill -9 of a session": (
         "sessions/test_killed.py",
-        "test_killed_runs_lose_at_most_their_last_second",
+        "test_killed_runs_lose_at_most_one_step",
     ),
     "kill -9 of a campaign": (
         "campaigns/test_faults.py",

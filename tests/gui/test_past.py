@@ -1,6 +1,7 @@
 """Past steps: their frames, why no robot was found in them; and the size of pictures."""
 
 import io
+import itertools
 import threading
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from PIL import Image
 
 import robsim
+import sessions
 from browsers import panel_of, settled
 from robsim.gui.panels.analysis.past import KeptPictures
 
@@ -145,6 +147,19 @@ def test_frames_of_a_session_that_is_recorded_are_read_from_it(noisy, tmp_path):
             browser.say("look", k=2)
             _, (picture,) = browser.take("frame", k=2, past=True)
     assert is_alike(picture, noisy.render_step(2))
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore:.*cannot be written", "ignore:.*the first error was")
+def test_a_session_that_cannot_be_written_is_noted(noisy, tmp_path, monkeypatch):
+    pytest.importorskip("cv2")
+    frames = (noisy.render_step(k % 20) for k in itertools.count())
+    with robsim.Experiment(frames, record=tmp_path / "session") as experiment:
+        experiment.run(1)
+        sessions.fill_disk(monkeypatch)
+        with panel_of(experiment) as (_, browser):
+            browser.press("start")
+            assert "No space" in browser.take("note", level="warning")[0]["text"]
 
 
 def test_kept_pictures_need_no_more_than_their_room():

@@ -79,10 +79,10 @@ def kinds(thing):
     return [event.kind for event in thing.events]
 
 
-def watched(motors, frame_timeout):
+def watched(motors, frame_timeout, record=None):
     """An experiment that has made a step: its watchdog waits for the next frame."""
     frame = robsim.Frame(np.zeros((64, 64, 3), np.uint8))
-    options = {"area": (64, 64), "measure": False, "identify_from": "truth"}
+    options = {"area": (64, 64), "measure": False, "identify_from": "truth", "record": record}
     experiment = robsim.Experiment(
         [frame], send=motors, control=lambda step: (1, 1), frame_timeout=frame_timeout, **options
     )
@@ -158,14 +158,18 @@ def test_it_keeps_the_robot_going_while_python_does_something_else(robot):
         assert robot.counts.old == 0
 
 
+@pytest.mark.parametrize("is_recorded", [False, True], ids=["", "recorded"])
 @pytest.mark.parametrize(
     "holds", [LONGER_AND_LONGER, pytest.param([16], marks=pytest.mark.slow)], ids=["short", "16 s"]
 )
-def test_the_watchdog_needs_no_interpreter(holds):
-    for seconds in holds:
+def test_the_watchdog_needs_no_interpreter(tmp_path, holds, is_recorded):
+    if is_recorded:
+        pytest.importorskip("cv2")
+    for number, seconds in enumerate(holds):
+        record = tmp_path / f"{number}.mcap" if is_recorded else None
         with MotorReceiver() as robot, motors_of(robot, ttl=SHORT) as motors:
             try:
-                experiment = watched(motors, frame_timeout=0.1)
+                experiment = watched(motors, 0.1, record)
             except TimeoutError:  # a busy machine
                 continue
             start = time.monotonic()
@@ -181,6 +185,8 @@ def test_the_watchdog_needs_no_interpreter(holds):
             motors((2, 2))
             wait_for(lambda robot=robot: robot.input[0] == 2)
             experiment.stop_robot()
+            experiment.__exit__(None, None, None)
+            assert record is None or len(robsim.trace.Session(record)) == 1
             return
     pytest.fail("it did not stop the robot while the interpreter was kept")
 

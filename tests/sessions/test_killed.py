@@ -31,7 +31,7 @@ def run_program(name, *arguments, **environment):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_killed_runs_lose_at_most_their_last_second(tmp_path, rng):
+def test_killed_runs_lose_at_most_one_step(tmp_path, rng):
     seed, count = int(rng.integers(2**31)), thorough(50, 10)
     assert "killed" in run_program("killed_sessions.py", tmp_path, seed, count)
 

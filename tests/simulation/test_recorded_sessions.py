@@ -43,13 +43,13 @@ def test_what_is_recorded_runs_again_to_the_byte(frames, tmp_path):
     other = robsim.Experiment(session, control=lambda step: (9, 9), robot="lab").run()
     np.testing.assert_array_equal(other.last_u[6:], trace.u[5:-1])
     np.testing.assert_array_equal(other.last_u[5], (0, 0))
-    assert robsim.Trace.load(tmp_path / "session" / "trace.npz") == trace
+    assert session.full_trace() == trace
 
 
 def test_a_session_says_what_it_was_made_with(frames, tmp_path):
-    with robsim.Experiment(frames, record=tmp_path, robot="robot2") as experiment:
+    with robsim.Experiment(frames, record=tmp_path / "s", robot="robot2") as experiment:
         experiment.run(3)
-    session = Session(tmp_path)
+    session = Session(tmp_path / "s")
     assert session.setup["robot"] == "robot2"
     assert session.setup["is_live"] is False
     assert (session.area, session.dt) == (experiment.area, experiment.model.dt)
@@ -59,14 +59,14 @@ def test_a_session_says_what_it_was_made_with(frames, tmp_path):
 
 
 def test_a_session_is_not_overwritten_nor_begun_again(frames, tmp_path):
-    with robsim.Experiment(frames, record=tmp_path) as experiment:
+    with robsim.Experiment(frames, record=tmp_path / "s") as experiment:
         experiment.run(3)
         with pytest.raises(RuntimeError, match="new Experiment"):
             experiment.reset()
     with pytest.raises(RuntimeError, match="new Experiment"):
         experiment.run(3)
-    with pytest.raises(FileExistsError, match=tmp_path.name):
-        robsim.Experiment(frames, record=tmp_path)
+    with pytest.raises(FileExistsError, match=r"s\.mcap"):
+        robsim.Experiment(frames, record=tmp_path / "s")
 
 
 def test_an_error_keeps_what_was_recorded(frames, tmp_path):
@@ -75,9 +75,9 @@ def test_an_error_keeps_what_was_recorded(frames, tmp_path):
 
     with (
         pytest.raises(ZeroDivisionError),
-        robsim.Experiment(frames, control=fails, record=tmp_path) as experiment,
+        robsim.Experiment(frames, control=fails, record=tmp_path / "s") as experiment,
     ):
         experiment.run()
-    session = Session(tmp_path)
+    session = Session(tmp_path / "s")
     assert session.is_complete
     assert session.count == 4

@@ -14,6 +14,7 @@ import sys
 import tempfile
 import tomllib
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ import robsim
 from robsim.campaigns import campaign
 from robsim.teach import EstimateTask, Key, SubmissionResult, grade_submission, load_assignment
 from robsim.trace import Session
+from robsim.trace.sessions._file import session_file
 from robsim.vision import (
     Calibration,
     Intrinsics,
@@ -150,9 +152,9 @@ def _calibration(folder: Path) -> Any:
     }
 
 
-def _session(folder: Path) -> Any:
-    path = folder / "session"
-    if not path.exists():
+def _session(folder: Path, name: str = "session") -> Any:  # a folder in version 0.1.0
+    path = folder / name
+    if not path.exists() and not session_file(path).exists():
         robot = robsim.Simulation(seed=4, area=(300, 300), control=robsim.DriveAround())
         frames = [robsim.Frame(robot.step().frame.image.copy(), t=k / 5) for k in range(6)]
         robsim.Experiment(
@@ -242,6 +244,7 @@ KINDS: dict[str, Callable[[Path], Any]] = {
     "colors": _colors,
     "calibration": _calibration,
     "session": _session,
+    "session_file": partial(_session, name="session.mcap"),
     "campaign": _campaign,
     "assignment": _assignment,
     "result": _result,

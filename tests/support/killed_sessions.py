@@ -1,8 +1,8 @@
 """Runs that are killed at random moments while they are recorded.
 
 A program of its own: ``python killed_sessions.py FOLDER SEED COUNT``. It prints how many were
-killed, at least COUNT and one that was long enough to tell, or raises an AssertionError if one of
-them lost more than its last second.
+killed, at least COUNT and one that was long enough. It raises an AssertionError if one of them lost
+more than the step under way, or a step that had waited for a second.
 """
 
 import os
@@ -14,34 +14,42 @@ from pathlib import Path
 
 import cv2  # noqa: F401 - what all children need
 import numpy as np
+from mcap.reader import make_reader
 
 import sessions
 from robsim.trace import Session
+from robsim.trace.sessions._ros import STEPS
 from waiting import wait_for
 
 AT_ONCE = 5
 LOST_AT_MOST = 1.0  # s
 
 
-def run_on(folder, log, lossless):
-    """Record steps until the end of the process; note each before it is added."""
+def run_on(folder, log, lossless, is_told):
+    """Record steps until the end of the process; note each before it is added.
+
+    With `is_told`, a step begins when the previous one is written.
+    """
     writer = sessions.SessionWriter(folder, setup=sessions.SETUP, lossless=lossless)
     for k in range(10**6):
-        os.write(log, f"{k} {time.monotonic()!r}\n".encode())
+        os.write(log, f"{k} {time.monotonic()!r} {k * is_told}\n".encode())
         sessions.add(writer, k)
-        time.sleep(0.02)
+        if is_told:
+            writer.flush()
+        else:
+            time.sleep(0.02)
 
 
 def log_of(folder):
     return Path(f"{folder}.log")
 
 
-def start(folder, lossless):
+def start(folder, lossless, is_told):
     log = os.open(log_of(folder), os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     child = os.fork()
     if child == 0:
         try:
-            run_on(folder, log, lossless)
+            run_on(folder, log, lossless, is_told)
         except BaseException:
             traceback.print_exc()
         os._exit(1)
@@ -55,10 +63,13 @@ def check(folder, killed):
     noted = np.array([float(line.split()[1]) for line in lines])
     # A machine that is busy elsewhere lets the child stand still, its threads too.
     stood_still = np.diff([*noted, killed]).max()
-    must = int(np.sum(noted < killed - LOST_AT_MOST - stood_still))
+    told = int(lines[-1].split()[2])
+    must = max(told, int(np.sum(noted < killed - LOST_AT_MOST - stood_still)))
     session = Session(folder)
     assert must <= session.count <= len(noted), (folder, must, session.count, len(noted))
     assert not session.is_complete
+    with session.path.open("rb") as file:  # completed by now
+        assert sum(1 for _ in make_reader(file).iter_messages(STEPS)) == session.count
     pictures = sessions.check_agreement(session)
     left_out = sum(bool(row.left_out) for row in session._rows)
     assert pictures + left_out == session.count, (folder, pictures, left_out, session.count)
@@ -71,7 +82,7 @@ def main(parent, seed, count):
     n_killed = must = 0
     while n_killed < int(count) or must == 0:
         folders = [Path(parent, f"run {n_killed + i}") for i in range(AT_ONCE)]
-        children = [start(folder, i % 2 == 1) for i, folder in enumerate(folders)]
+        children = [start(folder, i % 2 == 1, i < 4) for i, folder in enumerate(folders)]
         wait_for(lambda folders=folders: all(log_of(folder).stat().st_size for folder in folders))
         begin, killed = time.monotonic(), {}
         moments = sorted(zip(rng.uniform(0.3, 1.8, len(children)), children, folders, strict=True))

@@ -1,10 +1,14 @@
 """Sessions for the tests: frames whose number and pose can be read out of the picture."""
 
+import errno
+import os
 from functools import cache
 
 import numpy as np
+from mcap.writer import CompressionType, Writer
 
 import robsim
+from robsim.trace.sessions import _ros
 from robsim.trace.sessions.rows import Row
 from robsim.trace.sessions.writer import SessionWriter
 
@@ -52,12 +56,43 @@ def add(writer, k):
     writer.add(Row(k=k, t=row_time(k), u=u, pose_measured=tuple(pose.tolist())), frame)
 
 
-def record(folder, steps, *, waits=True, **options):
+def record(path, steps, *, waits=True, **options):
     """Record a session of so many steps; return its writer, which is still open."""
-    writer = SessionWriter(folder, setup=SETUP, waits=waits, **options)
+    writer = SessionWriter(path, setup=SETUP, waits=waits, **options)
     for k in range(steps):
         add(writer, k)
     return writer
+
+
+def fill_disk(monkeypatch):
+    """Let every later write of a session fail."""
+
+    def fails(file):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("robsim.trace.sessions.writer._AppendedFile.append", fails)
+
+
+def write_file(path, setup, steps, compression=CompressionType.NONE, each=1):
+    """Write the file of a session by hand: of lines and pictures as they are, so many a chunk."""
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=2**40, compression=compression)
+        writer.start("ros2", "by hand")
+        writer.add_metadata("robsim.setup", {"toml": setup})
+        places = {}
+        for topic, encoding, name, kind, text in _ros.channels():
+            places[topic] = writer.register_channel(
+                topic, encoding, writer.register_schema(name, kind, text.encode())
+            )
+        for k, (line, picture) in enumerate(steps):
+            writer.add_message(places[_ros.STEPS], k, line, k, k)
+            if picture is not None:
+                data = _ros._packed("sensor_msgs/CompressedImage", ((0, 0), "camera"), "", picture)
+                writer.add_message(places[_ros.PICTURES], k, data, k, k)
+            if (k + 1) % each == 0:
+                writer.flush()
+        writer.add_metadata("robsim.end", {"steps": str(len(steps))})
+        writer.finish()
 
 
 def check_agreement(session):

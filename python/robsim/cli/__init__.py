@@ -30,8 +30,12 @@ _COMMANDS = {
     "check": ("check", "Check your callbacks: what is wrong, in which situation and line."),
     "grade": ("grade", "Grade submissions by an assignment."),
     "track": ("track", "Track the robot in a video file or a folder of images."),
+    "sessions": (
+        "lab.sessions",
+        "Recorded runs: complete one that was cut off, make a video of one.",
+    ),
     "cameras": ("sources", "List the cameras of this computer, and why others are missing."),
-    "live": ("live", "Drive a robot under a real camera, with the callbacks of a folder."),
+    "live": ("lab.live", "Drive a robot under a real camera, with the callbacks of a folder."),
     "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
     "bench": ("simulated.bench", "Measure how fast robsim is on this machine."),
     "assignment": ("assignment", "Make an assignment for a course, that robsim grade grades by."),

@@ -103,9 +103,10 @@ class Experiment(Runner):
     seed : int, SeedSequence, Generator or None
         Seed of the random numbers of controllers and of `rng`. None = unpredictable.
     record : path, optional
-        Folder of a session, in which frames, times, inputs and set-up are recorded step by step:
-        see `robsim.trace.Session`. It must not have one yet; it is complete when the ``with``
-        block ends, and readable whenever the program does. Needs OpenCV.
+        File of a session, in which frames, times, inputs and set-up are recorded step by step: see
+        `robsim.trace.Session`. Its name gets the end ``.mcap``, and there must be no such file yet.
+        It is complete when the ``with`` block ends, and readable whenever the program does. A
+        warning reports the first failed write at once. Needs OpenCV.
     lossless : bool
         Whether the frames are recorded without loss.
     colors, markers, smoothing, time_limit
@@ -229,7 +230,7 @@ class Experiment(Runner):
             (name,) = changes
             raise RuntimeError(
                 f"{name} cannot be changed while a session is recorded, which has one: make a new "
-                "Experiment with another folder for record"
+                "Experiment with another file for record"
             )
         robot = changes.get("robot", self.robot)
         markers = self._given_markers or robot.marker_layout()
@@ -504,11 +505,11 @@ class Experiment(Runner):
         return np.full((3, 5), np.nan)
 
 
-def _recording_in(folder: str | PathLike[str], *, lossless: bool) -> SessionRecording:
+def _recording_in(path: str | PathLike[str], *, lossless: bool) -> SessionRecording:
     """Return what records a session; only who records loads it."""
     from robsim.simulation.session_recording import SessionRecording
 
-    return SessionRecording(as_path(folder, "record"), lossless=lossless)
+    return SessionRecording(as_path(path, "record"), lossless=lossless)
 
 
 def _default_timeout(frames: object, send: object) -> float:

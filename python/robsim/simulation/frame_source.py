@@ -130,6 +130,7 @@ class FrameSource:
         }
         if (calibration := self._calibration) is not None:
             said["plane_map"] = calibration.plane_map
+            said["floor"] = calibration.floor
             said["calibration"] = calibration_text(calibration)
         return said
 

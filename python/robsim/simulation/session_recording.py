@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -12,35 +11,37 @@ import numpy as np
 
 from robsim._core import Detection, Measurement, RobotModel, Step
 from robsim.base.checks import Floats
+from robsim.base.text import one_line
 from robsim.simulation.runner import Runner
 from robsim.trace import Trace
+from robsim.trace.sessions._file import session_file
 from robsim.trace.sessions.rows import Row
 from robsim.trace.sessions.writer import SessionWriter, check_is_free
 
 
 class SessionRecording:
-    """The session of an experiment, which begins with its first run, in a folder without one.
+    """The session of an experiment, which begins with its first run, in a new file.
 
-    FileExistsError: the folder has a session already.
+    FileExistsError: there is a file of this name.
     """
 
-    def __init__(self, folder: str | PathLike[str], *, lossless: bool) -> None:
-        check_is_free(folder)
-        self._folder = folder
+    def __init__(self, path: Path, *, lossless: bool) -> None:
+        self.path = session_file(path)
+        check_is_free(self.path)
         self._lossless = lossless
         self._writer: SessionWriter | None = None
         self._is_over = False
         self._u_before: Floats = np.zeros(2)
 
     @property
-    def folder(self) -> Path:
-        """Where it is written."""
-        return Path(self._folder)
+    def has_begun(self) -> bool:
+        """Whether there is something in the file."""
+        return self._writer is not None
 
     @property
-    def has_begun(self) -> bool:
-        """Whether there is something in the folder."""
-        return self._writer is not None
+    def error(self) -> Exception | None:
+        """The first error of disk or encoder; any thread may ask."""
+        return None if self._writer is None else self._writer.error
 
     def begin(
         self, runner: Runner, model: RobotModel, more: Mapping[str, Any], *, is_live: bool
@@ -48,8 +49,8 @@ class SessionRecording:
         """Write the set-up, unless that is done already; RuntimeError if the session is over."""
         if self._is_over:
             raise RuntimeError(
-                f"the session in {self._folder} is complete: make a new Experiment with another "
-                "folder for record"
+                f"the session {one_line(self.path)} is complete: make a new Experiment with "
+                "another file for record"
             )
         if self._writer is not None:
             return
@@ -64,7 +65,7 @@ class SessionRecording:
             **more,
         }
         self._writer = SessionWriter(
-            self._folder, setup=setup, lossless=self._lossless, fps=1 / model.dt, waits=not is_live
+            self.path, setup=setup, lossless=self._lossless, waits=not is_live
         )
 
     def add(
@@ -91,6 +92,8 @@ class SessionRecording:
             pose_measured=(math.nan,) * 3 if measured is None else measured.pose,
             interrupted=interrupted,
             reason=(detection and detection.reason) or "",
+            covariance=None if measured is None else measured.covariance,
+            estimate=step.estimate,
         )
         self._writer.add(row, step.frame)
 

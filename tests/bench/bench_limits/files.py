@@ -17,10 +17,10 @@ import robsim
 from robsim.campaigns import campaign
 from robsim.teach import Submission
 from robsim.trace import Session
-from robsim.trace.sessions import _pictures as matroska
-from robsim.trace.sessions.writer import SessionWriter
+from robsim.trace.sessions._setup import setup_text
 from robsim.vision import load_image, save_video
 from robsim.vision.imaging.images import Pixels, png_bytes
+from sessions import write_file
 
 Rng = np.random.Generator
 MB = 2**20
@@ -83,31 +83,28 @@ def video(path: Path, rng: Rng) -> None:
     save_video(path, [_black()], fps=5)
 
 
-def _session(folder: Path) -> Path:
-    SessionWriter(
-        folder, setup={"area": (300, 300), "dt": 0.2, "robot": "lab", "stop_input": (0.0, 0.0)}
-    ).close()
-    return folder
+_SETUP = setup_text({"area": (300, 300), "dt": 0.2, "robot": "lab"}, kind="PNG")
 
 
-def session_rows(folder: Path, rng: Rng) -> None:
-    steps = _session(folder) / "steps.csv"
-    names = steps.read_text().strip().split(",")
-    row = ",".join({"k": "{}", "t": "{}", "interrupted": "0"}.get(name, "") for name in names)
-    with steps.open("a") as file:
-        file.writelines(row.format(k, k) + "\n" for k in range(300_000))
+def session_rows(path: Path, rng: Rng) -> None:
+    steps = [(b'{"k":%d,"t":%d}' % (k, k), None) for k in range(200_000)]
+    write_file(path, _SETUP, steps, each=len(steps))
 
 
-def session_pictures(folder: Path, rng: Rng) -> None:
-    cluster = matroska.cluster(b"x", 0)
-    head = matroska.head("PNG", (16, 16), None)
-    (_session(folder) / "frames.mkv").write_bytes(head + cluster * (20 * MB // len(cluster)))
+def session_cut(path: Path, rng: Rng) -> None:
+    write_file(path, _SETUP, [(b'{"k":%d,"t":0}' % k, None) for k in range(50_000)])
+    path.write_bytes(path.read_bytes()[:-9])
 
 
-def session_frame(folder: Path, rng: Rng) -> None:
-    session_rows(folder, rng)
-    content = matroska.cluster(png_bytes(_black()), 0)
-    (folder / "frames.mkv").write_bytes(matroska.head("PNG", (_SIDE, _SIDE), None) + content)
+def session_records(path: Path, rng: Rng) -> None:
+    write_file(path, _SETUP, [(b'{"k":0,"t":0}', None)])
+    whole = path.read_bytes()
+    place = whole.index(b"\x0f\x04\0\0\0\0\0\0\0")  # the end of the data
+    path.write_bytes(whole[:place] + b"\xff\0\0\0\0\0\0\0\0" * (20 * MB // 9))
+
+
+def session_frame(path: Path, rng: Rng) -> None:
+    write_file(path, _SETUP, [(b'{"k":0,"t":0}', png_bytes(_black()))])
 
 
 def _campaign(path: Path) -> Any:
@@ -187,9 +184,10 @@ WORST: dict[str, Case] = {
     "picture, WebP": ("a.webp", picture("WEBP"), load_image),
     "picture, JPEG 2000": ("a.jp2", picture("JPEG2000"), load_image),
     "video": ("a.mkv", video, _frames),
-    "session, steps": ("a", session_rows, _steps),
-    "session, pictures": ("a", session_pictures, _steps),
-    "session, a frame": ("a", session_frame, _steps),
+    "session, steps": ("a.mcap", session_rows, _steps),
+    "session, cut": ("a.mcap", session_cut, _steps),
+    "session, records": ("a.mcap", session_records, _steps),
+    "session, a frame": ("a.mcap", session_frame, _steps),
     "store, view": ("a.db", store_view, _campaign),
     "store, text": ("a.db", store_text, _campaign),
     "submission, zip": ("a.zip", submission_archive, _submission),

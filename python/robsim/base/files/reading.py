@@ -108,10 +108,10 @@ def content_of(path: Path, size: int = -1) -> bytes:
 
 def open_file(path: Path) -> BinaryIO:
     """Open a file to be read; ValueError: a pipe or device, which may never end."""
-    return open(path, "rb", opener=_regular)
+    return open(path, "rb", opener=regular)
 
 
-def _regular(path: str, flags: int) -> int:
+def regular(path: str, flags: int) -> int:
     descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))  # no wait for a pipe's writer
     mode = os.fstat(descriptor).st_mode
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):  # a folder: Python's own error

@@ -93,6 +93,11 @@ class Record(ABC):
     def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:
         """Return the blobs of a frame, found as in the run."""
 
+    @property
+    def trouble(self) -> Exception | None:
+        """The first error of a session that is recorded."""
+        return None
+
     def shot(self, step: Step) -> Shot:
         """Return what is shown of the newest step; in the thread of the run."""
         return past_shot(self, step.k, step.frame)
@@ -223,16 +228,21 @@ class ExperimentRecord(RunRecord):
     def has_frames_once(self) -> bool:
         return not self._runner._source.can_read_again  # a session is written a moment later
 
+    @property
+    def trouble(self) -> Exception | None:
+        recording = self._runner._recording
+        return None if recording is None else recording.error
+
     def frame(self, k: int) -> Frame | None:
         recording = self._runner._recording
         if recording is not None and recording.has_begun:
-            return self._recorded(recording.folder, k)
+            return self._recorded(recording.path, k)
         return self._runner._source.again(k)
 
-    def _recorded(self, folder: Path, k: int) -> Frame | None:
+    def _recorded(self, path: Path, k: int) -> Frame | None:
         now = time.monotonic()
         if self._session is None or (k >= len(self._session) and now > self._opened + _REOPEN):
-            self._session, self._opened = Session(folder), now
+            self._session, self._opened = Session(path), now
         if k >= len(self._session):
             raise LookupError("it is not written yet")
         return self._session._at(k).frame
@@ -244,14 +254,14 @@ class SavedRecord(Record):
     source = "trace"
 
     def __init__(self, saved: Trace | Session) -> None:
-        trace = saved if isinstance(saved, Trace) else saved._whole_trace()
+        trace = saved if isinstance(saved, Trace) else saved.full_trace()
         self._trace = trace.in_unit("px")
         if not len(self._trace):
             raise ValueError("the trace cannot be shown: it has no steps")
         if first := int(self._trace.k[0]):
             raise ValueError(f"the trace cannot be shown: it begins with step {first}, not 0")
         self._columns = self._trace._groups
-        self._name = "Trace" if isinstance(saved, Trace) else f"Session {saved.folder.name}"
+        self._name = "Trace" if isinstance(saved, Trace) else f"Session {saved.path.stem}"
         self.area = self._trace.info.area
         self._smoothing: int | None = None
         self._read: Callable[[int], Frame | None] | None = None
@@ -287,7 +297,7 @@ class SavedRecord(Record):
 
     def frame(self, k: int) -> Frame | None:
         if self._read is None:
-            raise LookupError("a trace of a real run has no frames: open the session's folder")
+            raise LookupError("a trace of a real run has no frames: open the session")
         return self._read(k)
 
     def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:

@@ -1,4 +1,4 @@
-"""The set-up of a session: what a run was made with, as a TOML file."""
+"""The set-up of a session as TOML: world, robot and software of a run."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import datetime
 import platform
 from collections.abc import Mapping
 from functools import partial
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,14 +19,14 @@ from robsim.vision.imaging.calibration_file import PLANE_MAP
 from robsim.vision.markers.color_files import COLOR
 from robsim.vision.robots.files import LAYOUT
 
-FORMAT = 2
+FORMAT = 3
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
 _PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
 
 
-def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str:
-    """Return the file of a set-up, with format, date and versions.
+def setup_text(setup: Mapping[str, Any], *, kind: str) -> str:
+    """Return the text of a set-up, with format, date and versions.
 
     TypeError, ValueError: a value cannot be written, or all are too much for `read_setup`.
     """
@@ -38,7 +37,6 @@ def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str
         "format": FORMAT,
         "started": now.replace(microsecond=now.microsecond // 1000 * 1000),
         "pictures": kind,
-        "fps": fps,
         **setup,
         "versions": {"python": platform.python_version(), **_versions()},
     }
@@ -46,7 +44,7 @@ def setup_text(setup: Mapping[str, Any], *, kind: str, fps: float | None) -> str
     try:
         parse_toml(written)
     except ValueError as error:
-        raise ValueError(f"setup cannot be written as a file: {error}") from error
+        raise ValueError(f"setup cannot be written: {error}") from error
     return written
 
 
@@ -79,35 +77,20 @@ def _as_toml(name: str, value: Any) -> Any:
         return [_as_toml(name, item) for item in value]
     if isinstance(value, int) and not -_LARGEST_INT <= value < _LARGEST_INT:
         return str(value)
-    if isinstance(value, str) and "\n" in value:
-        return _lines(value)
     if value is None or isinstance(value, _KINDS):
         return value
     raise TypeError(f"{name} must be numbers, texts, lists and tables, got {quoted(value)}")
 
 
-def _lines(lines: str) -> Any:
-    """Return a text of lines so that it can be read in the file, if TOML can hold it so."""
-    import tomlkit
-
-    is_safe = "'''" not in lines and all(c in "\n\t" or c.isprintable() for c in lines)
-    if is_safe and not lines.endswith("'"):
-        for start in ("", "\n"):  # some versions of tomlkit add a line break, which TOML ignores
-            item = tomlkit.string(start + lines, literal=True, multiline=True)
-            if parse_toml(f"text = {item.as_string()}") == {"text": lines}:
-                return item
-    return lines
-
-
 class Setup(SimpleNamespace):
-    """A run's set-up, from its session's ``setup.toml``; ValueError names file and key."""
+    """A run's set-up, from its text in a session; ValueError names source and key."""
 
-    def __init__(self, file: Path) -> None:
-        super().__init__(**codec.load_table(file, _values))
+    def __init__(self, text: str, source: object, expected: int) -> None:
+        super().__init__(**codec.read_table(text, partial(_values, expected), source))
 
 
-def _values(table: dict[str, Any]) -> dict[str, Any]:
-    codec.check_format(table, FORMAT)
+def _values(expected: int, table: dict[str, Any]) -> dict[str, Any]:
+    codec.check_format(table, expected)
     given = dict(table)
     if isinstance(matrix := given.get("plane_map"), list):
         given["plane_map"] = {"matrix": matrix}

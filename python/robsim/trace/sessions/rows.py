@@ -1,27 +1,28 @@
-"""The time base of a session: a line of text for each step, readable by any spreadsheet."""
+"""The steps of a session: their values, as JSON to the last bit."""
 
 from __future__ import annotations
 
-import csv
+import json
 import math
-import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field, fields, replace
-from pathlib import Path
-from typing import Any, BinaryIO
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from robsim._core import Intrinsics, PlaneMap
-from robsim.base.checks import Floats
-from robsim.base.files import open_file
-from robsim.base.text import as_cell, cut, one_line, quoted
+from robsim._core import Estimate, PlaneMap
+from robsim.base.checks import Floats, check_bool, check_float, check_int, check_text
+from robsim.base.files import codec
+from robsim.base.files.reading import parse_json
+from robsim.base.text import one_line, quoted
 from robsim.trace.columns import GROUPS
+from robsim.vision.imaging.calibration_file import PLANE_MAP
 
-_MOST_ROWS = 20_000_000
-_MOST_LINE = 4096  # bytes
-_MOST = 2**63  # of a whole number
-_LONGEST_TIME = 1e15  # s
+MOST_ROWS = 20_000_000
+MOST_LINE = 4096  # bytes
+_MOST_VALUES = 400  # of a line, and signs of a text that look like them
+_MOST_TEXT = 200  # characters
 
 _NAN = math.nan
 
@@ -45,162 +46,83 @@ class Row:
     pose_measured: Any = (_NAN, _NAN, _NAN)
     interrupted: bool = False
     reason: str = ""
-    # Of the picture, by the writer: its number in the video, or why it is not in there; the
-    # frame's own number, and its plane map where it is another than that of the set-up.
-    video_frame: int | None = None
+    # Of the picture, by the writer: why it is missing, the number of its frame, its plane map
+    # unless the set-up has the same.
     left_out: str = ""
     frame_index: int | None = None
     plane_map: PlaneMap | None = field(default=None, compare=False)
     headings: int | None = None  # that the robot is drawn in, of a frame that knows it
+    # For the messages alone.
+    covariance: Any = field(default=None, compare=False)  # (3, 3) of pose_measured
+    estimate: Estimate | None = field(default=None, compare=False)
 
 
-# Columns of the arrays; the other fields are a column each.
-_ARRAYS = {name: tuple(GROUPS[name].units) for name in ("u", "last_u", "pose_measured")}
-_FIELDS = tuple(entry.name for entry in fields(Row))
-_COLUMNS = tuple(column for name in _FIELDS for column in _ARRAYS.get(name, (name,)))
-_COLUMNS_BY_FORMAT = {1: _COLUMNS[:-1], 2: _COLUMNS}
+ARRAYS = {name: tuple(GROUPS[name].units) for name in ("u", "last_u", "pose_measured")}
 
 
-def _header(columns: tuple[str, ...]) -> bytes:
-    return (",".join(columns) + "\n").encode()
+def _array(name: str, value: Any) -> tuple[float, ...]:
+    if not isinstance(value, list) or len(value) != len(ARRAYS[name]):
+        raise ValueError(f"{name} must be {len(ARRAYS[name])} numbers, got {quoted(value)}")
+    return tuple(_NAN if one is None else check_float(name, one) for one in value)
 
 
-HEADER = _header(_COLUMNS)
+_WHOLE = partial(check_int, minimum=0, maximum=2**63 - 1)
+_TIME = partial(check_float, unit="s", minimum=-1e15, maximum=1e15)
+_STEP = codec.Table(
+    Row,
+    {
+        **dict.fromkeys(("k", "frame_index"), _WHOLE),
+        **dict.fromkeys(("t", "t_arrival", "t_sent"), _TIME),
+        **dict.fromkeys(ARRAYS, _array),
+        **dict.fromkeys(("reason", "left_out"), check_text),
+        **{"interrupted": check_bool, "headings": partial(_WHOLE, minimum=1)},
+        "plane_map": PLANE_MAP,
+    },
+    ignores_others=True,
+)
+KEYS = (*_STEP.keys,)
 
 
-def line_of(row: Row) -> bytes:
-    cells: list[str] = []
-    for name in _FIELDS:
-        value = getattr(row, name)
-        cells += map(_cell, value) if name in _ARRAYS else [_cell(value)]
-    return (",".join(cells) + "\n").encode()
+def row_of(table: Mapping[str, Any]) -> Row:
+    """Return the step with these values, None = not known; an error names a wrong one."""
+    given = {name: one for name, one in table.items() if one is not None}
+    return _STEP.read("a step", given)  # type: ignore[no-any-return]
 
 
-def _cell(value: Any) -> str:
+def row_of_json(line: bytes) -> Row:
+    """Return the step of a line of JSON; else TypeError or ValueError."""
+    if len(line) > MOST_LINE:
+        raise ValueError(f"a step must have at most {MOST_LINE} bytes")
+    return row_of(codec.as_table("a step", parse_json(line.decode(), _MOST_VALUES)))
+
+
+def json_of(row: Row) -> bytes:
+    """Return a step as a line of JSON, without unknown values."""
+    values = {name: _plain(getattr(row, name)) for name in KEYS}
+    given = {name: one for name, one in values.items() if one not in (None, "")}
+    return json.dumps(given, allow_nan=False).encode()
+
+
+def _plain(value: Any) -> Any:
     if isinstance(value, str):
-        text = one_line(value)[:200]
-        return '"' + as_cell(text).replace('"', '""') + '"' if text else ""
+        return one_line(value)[:_MOST_TEXT]
     if isinstance(value, PlaneMap):
-        return " ".join(map(repr, _numbers_of(value)))
+        lens, plain = value.intrinsics, {"matrix": value.matrix.tolist()}
+        parts = lens and {"matrix": lens.matrix.tolist(), "distortion": lens.distortion.tolist()}
+        return plain | ({"intrinsics": parts} if parts else {})
+    if isinstance(value, (tuple, list, np.ndarray)):
+        numbers = [_plain(one) for one in value]
+        return numbers if any(one is not None for one in numbers) else None
     if isinstance(value, np.generic):
         value = value.item()
-    if isinstance(value, bool):
-        return str(int(value))
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
-        return ""
-    return repr(value)
-
-
-def read_rows(file: Path) -> tuple[list[Row], bool]:
-    """Return the rows of a time base, and whether its last line is torn; else ValueError."""
-    with open_file(file) as stream:
-        head = stream.readline(_MOST_LINE)
-        by_header = {_header(columns): columns for columns in _COLUMNS_BY_FORMAT.values()}
-        if head in by_header:
-            return _rows_below(by_header[head], stream, file)
-    if any(header.startswith(head) for header in by_header):
-        return [], bool(head)
-    raise ValueError(f"{one_line(file)} is not the time base of a session, or damaged")
-
-
-def _rows_below(columns: tuple[str, ...], stream: BinaryIO, file: Path) -> tuple[list[Row], bool]:
-    rows: list[Row] = []
-    for line in iter(lambda: stream.readline(_MOST_LINE + 2), b""):
-        if not line.endswith(b"\n") and len(line) <= _MOST_LINE:
-            return rows, True
-        try:
-            row = _row_of(line.removesuffix(b"\n"), columns)
-            if rows and row.k != rows[-1].k + 1:
-                raise ValueError(f"step {row.k} follows step {rows[-1].k}")
-            if len(rows) == _MOST_ROWS:
-                raise ValueError(f"a session must have at most {_MOST_ROWS} steps")
-        except (ValueError, OverflowError, csv.Error) as error:
-            raise ValueError(f"{one_line(file)}, line {len(rows) + 2}: {cut(error)}") from error
-        rows.append(row)
-    return rows, False
-
-
-def _row_of(line: bytes, columns: tuple[str, ...]) -> Row:
-    if len(line) > _MOST_LINE:
-        raise ValueError(f"a line must have at most {_MOST_LINE} bytes")
-    (cells,) = csv.reader([line.decode()], strict=True) if line else [[]]
-    if len(cells) != len(columns):
-        raise ValueError(f"there must be {len(columns)} columns, got {len(cells)}")
-    texts = dict(zip(columns, cells, strict=True))
-    values: dict[str, Any] = {name: texts[name] for name in ("reason", "left_out")}
-    for name in ("t", "t_arrival", "t_sent"):
-        values[name] = _time(name, texts[name])
-    for name, parts in _ARRAYS.items():
-        if any(texts[part] for part in parts):  # else the default, which all rows share
-            values[name] = tuple(_float(part, texts[part]) for part in parts)
-    for name in ("video_frame", "frame_index", "headings"):
-        values[name] = _int(name, texts[name]) if texts.get(name) else None
-    if values["headings"] == 0:
-        raise ValueError("headings must be at least 1 or empty, got 0")
-    if texts["interrupted"] not in ("0", "1"):
-        raise ValueError(f"interrupted must be 0 or 1, got {quoted(texts['interrupted'])}")
-    if texts["plane_map"]:
-        values["plane_map"] = _plane_map(texts["plane_map"])
-    if math.isnan(values["t"]):
-        raise ValueError("a step must have a time t")
-    return Row(k=_int("k", texts["k"]), interrupted=texts["interrupted"] == "1", **values)
-
-
-def _float(name: str, text: str) -> float:
-    if not text:
-        return _NAN
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.inf
-    if not math.isfinite(value):
-        raise ValueError(f"{name} must be a finite number or empty, got {quoted(text)}")
-    return value
-
-
-def _time(name: str, text: str) -> float:
-    value = _float(name, text)
-    if abs(value) > _LONGEST_TIME:
-        raise ValueError(f"{name} must be at most {_LONGEST_TIME:g} s, got {quoted(text)}")
-    return value
-
-
-def _int(name: str, text: str) -> int:
-    if not re.fullmatch("[0-9]{1,19}", text) or int(text) >= _MOST:
-        raise ValueError(f"{name} must be a whole number of at least 0, got {quoted(text)}")
-    return int(text)
-
-
-def _numbers_of(plane_map: PlaneMap) -> list[float]:
-    """Return the nine numbers of a homography, and those of the lens where there is one."""
-    numbers: list[float] = plane_map.matrix.ravel().tolist()
-    lens = plane_map.intrinsics
-    if lens is not None:
-        (fx, _, cx), (_, fy, cy), _ = lens.matrix.tolist()
-        numbers += [fx, fy, cx, cy, *lens.distortion.tolist()]
-    return numbers
-
-
-def _plane_map(text: str) -> PlaneMap:
-    numbers = [_float("plane_map", part) for part in text.split(" ")]
-    if len(numbers) not in (9, 18):
-        raise ValueError(f"plane_map must be 9 numbers, or 18 with a lens, got {len(numbers)}")
-    lens = None
-    if len(numbers) == 18:
-        fx, fy, cx, cy, *distortion = numbers[9:]
-        lens = Intrinsics(((fx, 0, cx), (0, fy, cy), (0, 0, 1)), distortion)
-    return PlaneMap(np.reshape(numbers[:9], (3, 3)), lens)
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def columns_of(rows: Iterable[Row], *names: str) -> dict[str, Floats]:
     """Return fields of rows as arrays (N,) or (N, width)."""
     rows = list(rows)
-    shapes = {name: (len(rows), len(_ARRAYS[name])) if name in _ARRAYS else -1 for name in names}
+    shapes = {name: (len(rows), len(ARRAYS[name])) if name in ARRAYS else -1 for name in names}
     return {
         name: np.array([getattr(row, name) for row in rows], dtype=np.float64).reshape(shape)
         for name, shape in shapes.items()
     }
-
-
-def with_frame(row: Row, number: int | None, left_out: str) -> Row:
-    return replace(row, video_frame=number, left_out=left_out)

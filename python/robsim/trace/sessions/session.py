@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterator
+from contextlib import nullcontext, suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import Image, UnidentifiedImageError
 
 from robsim._core import ColorClass, Frame, MarkerLayout, Observation, PlaneMap, RobotModel
 from robsim.base.checks import Floats
-from robsim.base.files import as_path, codec
-from robsim.base.text import cut, one_line, quoted
+from robsim.base.files import as_path, content_of, open_file
+from robsim.base.text import cut, one_line
 from robsim.trace.columns import GROUPS
 from robsim.trace.run_info import RunInfo
-from robsim.trace.sessions._pictures import Pictures
-from robsim.trace.sessions._setup import Setup
-from robsim.trace.sessions.rows import Row, columns_of, read_rows
-from robsim.trace.sessions.writer import END, ROWS, SETUP, TRACE, VIDEO
+from robsim.trace.sessions._setup import FORMAT, Setup
+from robsim.trace.sessions.rows import Row, columns_of
 from robsim.trace.trace import Trace
+from robsim.vision.imaging.images import MOST_PIXELS, frame_size, pixels_of
 
 _UNKNOWN_DT = 0.2  # s, of a trace whose times tell nothing
 _LONGEST_DT = 1e6  # s
@@ -29,26 +31,25 @@ _WHERE_KNOWN = ("t_arrival", "t_sent", "last_u")
 
 
 class Session:
-    """A recorded run in a folder: an iterable of `Observation`, one for each step.
+    """A recorded run in a file: an iterable of `Observation`, one for each step.
 
     An `Experiment` runs it again, with other callbacks: ``robsim.Experiment(session, ...)``. Each
     observation has the frame, its time, and the input that the robot really got since the step
     before, so that estimators see the run as it was, whatever the new controller returns.
 
     A run that was killed, or is still going on, can be read up to what was written when the session
-    was opened: all but the last second.
+    was opened: a kill loses the last step. A file that was cut off so is completed when it is
+    opened.
 
     Parameters
     ----------
-    folder : path
-        The folder: ``setup.toml`` has the set-up, ``steps.csv`` a line for each step,
-        ``frames.mkv`` the frames, which any player shows; ``end.toml`` and ``trace.npz`` are
-        written at the end of the run.
+    path : path
+        The file, with or without its end ``.mcap``. A folder of an earlier robsim is read as well.
 
     Attributes
     ----------
-    folder : pathlib.Path
-        The folder.
+    path : pathlib.Path
+        The file.
     setup : dict
         All that the set-up says.
     area : tuple of int or None
@@ -74,15 +75,27 @@ class Session:
     problems : tuple of str
         What is missing, a sentence each.
     trace : Trace
-        Times, inputs and measured poses of the run. ``robsim.Trace.load(folder / "trace.npz")`` has
-        all that was recorded, if the run ended well.
+        Times, inputs and measured poses of the run; `full_trace` has all that was recorded.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such folder, or it has no session.
+        If there is no such file, or a folder has no session.
     TypeError, ValueError
-        If a file of it is damaged. During iteration: if a frame is.
+        If it is damaged, or no session. During iteration: if a frame is.
+
+    Notes
+    -----
+    It is an MCAP file of ROS 2 messages, which Foxglove and rosbag2 open: pictures
+    (``/camera/image/compressed``, ``/camera/camera_info``), poses with their covariance
+    (``/pose_measured``, ``/pose_estimated``), voltages (``/u``), faults (``/diagnostics``), places
+    (``/tf``, ``/tf_static``). Stamps are those of exposure. Lengths are in m if the scale is
+    known; else they are in px, and the names of the frames end with ``_px``.
+
+    In the frame ``area``, the work area, x points right, y down, z into the floor; in ``map`` y and
+    z point up. ``robot`` has the axes of the area, turned by the heading; in ``base_link`` z points
+    up. ``camera`` is the optical frame of a camera whose lens was calibrated. robsim itself reads
+    the exact numbers in ``/robsim/steps``, and the set-up in the metadata ``robsim.setup``.
 
     Examples
     --------
@@ -91,13 +104,23 @@ class Session:
     >>> again.pose_measured - session.trace.pose_measured
     """
 
-    def __init__(self, folder: str | PathLike[str]) -> None:
-        self.folder = as_path(folder, "folder")
-        if not self.folder.is_dir():
-            raise FileNotFoundError(f"there is no folder {one_line(self.folder)}")
-        if not self._is_in(self.folder):
-            raise FileNotFoundError(f"{one_line(self.folder)} has no session: no file {SETUP}")
-        setup = Setup(self.folder / SETUP)
+    def __init__(self, path: str | PathLike[str]) -> None:
+        from robsim.trace.sessions import _file, _folders  # mcap takes 30 ms
+
+        self.path = as_path(path)
+        is_folder = self.path.is_dir()
+        if is_folder and not self._is_in(self.path):
+            raise FileNotFoundError(
+                f"{one_line(self.path)} has no session: no file {_folders.SETUP}"
+            )
+        if not is_folder:
+            self.path = self.path if self.path.exists() else _file.session_file(self.path)
+            with suppress(OSError, *_file.UNREADABLE):  # then it is read as it is
+                _file.complete(self.path)
+        found = _folders.read_folder(self.path) if is_folder else _file.read_file(self.path)
+        self._found = found
+        source = self.path / _folders.SETUP if is_folder else self.path
+        setup = Setup(found.setup, source, _folders.FORMAT if is_folder else FORMAT)
         self.setup = setup.table
         self.area, self.dt = setup.area, setup.dt
         self.plane_map = setup.plane_map or PlaneMap()
@@ -106,14 +129,13 @@ class Session:
         self.markers: MarkerLayout | None = setup.markers
         self.model: RobotModel | None = setup.model
         self._parsed = setup
-        # First the rows: while a run goes on, every row has its picture already.
-        has_end = (self.folder / END).is_file()
-        self._rows, self._torn_row = _rows_of(self.folder)
-        self._pictures = _pictures_of(self.folder)
+        self._rows = found.rows
         self.count = len(self._rows)
-        self.size = self._pictures.size if self._pictures else None
-        self._check_numbers()
-        self.problems = tuple(self._problems(has_end))
+        self.size: tuple[int, int] | None = None
+        with self._opened() as file:
+            seen = (self._pixels(k, file) for k, place in enumerate(found.places) if place)
+            self.size = next((frame_size(pixels) for pixels in seen), None)
+        self.problems = (*found.problems, *self._missing())
         self.is_complete = not self.problems
         self.trace = self._trace()
 
@@ -121,76 +143,72 @@ class Session:
         return self.count
 
     def __iter__(self) -> Iterator[Observation]:
-        before = None
-        if self._pictures is None:
-            for row in self._rows:
-                yield self._observation(row, before, None)
-                before = row
-            return
-        with self._pictures.opened() as descriptor:
-            for row in self._rows:
-                pixels = None
-                if self._has_picture(row):
-                    assert row.video_frame is not None
-                    pixels = self._pictures.read(descriptor, row.video_frame)
-                yield self._observation(row, before, pixels)
-                before = row
+        with self._opened() as file:
+            for k in range(self.count):
+                yield self._observation(k, file)
 
     @staticmethod
-    def _is_in(folder: Path) -> bool:
-        return (folder / SETUP).is_file()
+    def _is_in(path: Path) -> bool:
+        """Whether there is a session, as far as a look tells."""
+        from robsim.trace.sessions import _file, _folders
 
-    def _whole_trace(self) -> Trace:
-        """Return all that was recorded, if the run ended well; else `trace`."""
-        file = self.folder / TRACE
-        return Trace.load(file) if file.is_file() else self.trace
+        path = path if path.exists() else _file.session_file(path)
+        if path.is_dir():
+            return (path / _folders.SETUP).is_file()
+        return path.is_file() and content_of(path, len(_file.MAGIC)) == _file.MAGIC
+
+    def full_trace(self) -> Trace:
+        """Return all that was recorded, estimates too, if the run ended well; else `trace`.
+
+        Raises
+        ------
+        ValueError
+            If it is damaged.
+        """
+        if (place := self._found.trace) is None:
+            return self.trace
+        with open_file(self._found.trace_file) as file:
+            return Trace._unpacked(
+                self._found.encoded(file, place), one_line(self._found.trace_file)
+            )
+
+    def _opened(self) -> Any:
+        """Return the file of the pictures, in a context."""
+        return open_file(self._found.file) if any(self._found.places) else nullcontext(None)
 
     def _at(self, k: int) -> Observation:
         """Return the observation of a step, in any order; IndexError if there is none."""
-        row, pixels = self._rows[k], None
-        if self._pictures is not None and self._has_picture(row):
-            assert row.video_frame is not None
-            with self._pictures.opened() as descriptor:
-                pixels = self._pictures.read(descriptor, row.video_frame)
-        return self._observation(row, self._rows[k - 1] if k else None, pixels)
+        with self._opened() as file:
+            return self._observation(k, file)
 
     def __repr__(self) -> str:
         size = f"frames of {self.size[0]} x {self.size[1]} px" if self.size else "no frames"
         missing = f", {len(self.problems)} problems" if self.problems else ""
-        return f"<Session {one_line(self.folder)}: {self.count} steps, {size}{missing}>"
+        return f"<Session {one_line(self.path)}: {self.count} steps, {size}{missing}>"
 
-    def export_mcap(self, path: str | PathLike[str]) -> None:
-        """Write the session as an MCAP file, for Foxglove and ROS 2.
+    def _pixels(self, k: int, file: Any) -> Any:
+        """Return RGB pixels (H, W, 3); ValueError: damaged, too large or of another size."""
+        place = self._found.places[k]
+        if place is None:
+            return None
+        try:
+            with Image.open(
+                io.BytesIO(self._found.encoded(file, place)), formats=("JPEG", "PNG")
+            ) as image:
+                width, height = image.size
+                if width * height > MOST_PIXELS:
+                    raise ValueError(f"{width} x {height} px are too many")
+                if self.size not in (None, image.size):
+                    raise ValueError(f"{width} x {height} px, unlike the first one")
+                return pixels_of(image, "RGB")
+        except Exception as error:  # Pillow's decoders raise many types
+            said = "no picture" if isinstance(error, UnidentifiedImageError) else cut(error)
+            name = f"the frame of step {self._rows[k].k} of {one_line(self._found.file)}"
+            raise ValueError(f"{name} is damaged: {said}") from error
 
-        The topics: ``/camera/image/compressed`` (`sensor_msgs/msg/CompressedImage`, the pictures as
-        they were recorded), ``/pose_measured`` (`geometry_msgs/msg/PoseStamped`, in px of the work
-        area: x to the right, y down, z into the floor, in the frame ``area``; only where the robot
-        was detected), ``/u`` (`std_msgs/msg/Float64MultiArray`, V) and ``/missed``
-        (`std_msgs/msg/String`: why the robot was not detected). Their times are those of the
-        frames, and of the inputs when they went out, from the date of the recording on.
-
-        Parameters
-        ----------
-        path : path
-            The file to write; by custom its name ends with ``.mcap``.
-
-        Raises
-        ------
-        ImportError
-            If the packages of ``robsim[mcap]`` are not installed.
-        OSError
-            If the file cannot be written; an old one of that name is unchanged then.
-        """
-        from robsim.trace.sessions._mcap import write_mcap
-
-        write_mcap(path, self)
-
-    def _has_picture(self, row: Row) -> bool:
-        n = len(self._pictures) if self._pictures else 0
-        return row.video_frame is not None and row.video_frame < n
-
-    def _observation(self, row: Row, before: Row | None, pixels: Any) -> Observation:
-        frame = None
+    def _observation(self, k: int, file: Any) -> Observation:
+        row, before, frame = self._rows[k], self._rows[k - 1] if k else None, None
+        pixels = self._pixels(k, file)
         if pixels is not None:
             frame = Frame(
                 pixels,
@@ -215,45 +233,11 @@ class Session:
             return None
         return before.u
 
-    def _check_numbers(self) -> None:
-        """Raise a ValueError if rows name pictures in another order than that of the video."""
-        last = -1
-        for row in self._rows:
-            if row.video_frame is not None:
-                if row.video_frame != last + 1:
-                    raise ValueError(
-                        f"{one_line(self.folder / ROWS)}: video_frame of step {row.k} must be "
-                        f"{last + 1}, got {row.video_frame}"
-                    )
-                last = row.video_frame
-
-    def _problems(self, has_end: bool) -> Iterator[str]:
-        numbers = [row.video_frame for row in self._rows if row.video_frame is not None]
-        there = len(self._pictures) if self._pictures else 0
-        if not has_end:
-            yield "the recording was not ended: it was killed, or is still going on"
-        elif steps := self._steps_promised() - self.count:
-            yield f"{ROWS} has {self.count} of {self.count + steps} steps"
-        if self._torn_row:
-            yield f"the last line of {ROWS} is torn: it is ignored"
-        if self._pictures is not None and self._pictures.torn:
-            yield f"the last picture of {VIDEO} is torn: it is ignored"
-        if there > len(numbers):
-            yield f"{there - len(numbers)} frames at the end have no row: they are ignored"
-        if self._pictures is None and numbers:
-            yield f"there is no {VIDEO}: no step has a frame"
-        elif there < len(numbers):
-            yield f"{VIDEO} has {there} of {len(numbers)} frames: the last steps have none"
+    def _missing(self) -> Iterator[str]:
+        if self._found.steps not in (None, self.count):
+            yield f"{self.count} of {self._found.steps} steps are there"
         if left_out := sum(bool(row.left_out) for row in self._rows):
-            yield f"{left_out} frames were left out of the video: these steps have none"
-
-    def _steps_promised(self) -> int:
-        file = self.folder / END
-        end = codec.load_table(file)
-        steps, lost = end.get("steps"), end.get("steps_lost", 0)
-        if not (type(steps) is int and type(lost) is int and 0 <= steps + lost < 2**62):
-            raise ValueError(f"{one_line(file)}: steps must be a whole number, got {quoted(steps)}")
-        return steps + lost
+            yield f"{left_out} frames were left out: these steps have no frame"
 
     def _trace(self) -> Trace:
         groups: dict[str, Floats] = columns_of(self._rows, *_ALWAYS)
@@ -276,23 +260,9 @@ class Session:
             first = self._rows[0].k if self._rows else 0
             return Trace(groups, info, first_step=first)
         except (TypeError, ValueError) as error:
-            raise ValueError(f"{one_line(self.folder)}: {cut(error)}") from error
+            raise ValueError(f"{one_line(self.path)}: {cut(error)}") from error
 
 
 def _typical_gap(t: Floats) -> float:
     gap = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
     return gap if 0 < gap < _LONGEST_DT else _UNKNOWN_DT
-
-
-def _rows_of(folder: Path) -> tuple[list[Row], bool]:
-    try:
-        return read_rows(folder / ROWS)
-    except FileNotFoundError:  # killed before the first step
-        return [], False
-
-
-def _pictures_of(folder: Path) -> Pictures | None:
-    try:
-        return Pictures(folder / VIDEO)
-    except FileNotFoundError:
-        return None

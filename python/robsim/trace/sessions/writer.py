@@ -1,4 +1,4 @@
-"""Writes a session while a run goes on: pictures, rows, set-up, safe from a kill at any moment."""
+"""Writes a session during a run: an MCAP file, safe from a kill at any moment."""
 
 from __future__ import annotations
 
@@ -8,38 +8,41 @@ import queue
 import threading
 import time
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from robsim._core import Frame, PlaneMap
-from robsim.base.checks import check_bool, check_float
-from robsim.base.files import PartialFile, as_path, naming, sync_folder, write_whole
+from robsim.base.checks import check_bool
+from robsim.base.files import as_path, naming, sync_folder
 from robsim.base.text import cut, one_line
 from robsim.base.warn import warn_user
-from robsim.trace.sessions import _pictures as matroska
+from robsim.trace.sessions._file import (
+    END,
+    SETUP,
+    TRACE,
+    Pieces,
+    lock,
+    new_writer,
+    session_file,
+)
+from robsim.trace.sessions._ros import Message, Messages, channels
 from robsim.trace.sessions._setup import setup_text
-from robsim.trace.sessions.rows import HEADER, Row, line_of, with_frame
+from robsim.trace.sessions.rows import Row
 from robsim.trace.trace import Trace
 from robsim.vision.imaging.video import load_opencv
 
-#: The files of a session.
-SETUP, ROWS, VIDEO, END, TRACE = "setup.toml", "steps.csv", "frames.mkv", "end.toml", "trace.npz"
-
-#: Of the JPEG pictures of a video that is not lossless; colours in full resolution.
+#: Of JPEG pictures; colours in full resolution.
 JPEG_QUALITY = 95
 
-#: Limits of what waits to be written: what is above is left out of the video.
+#: Limits of the queue: beyond them, pictures are left out.
 _MOST_WAITING = 16  # steps
 _LONGEST_WAIT = 0.4  # s
 
 _BETWEEN_SYNCS = 1.0  # s
-_BETWEEN_CUES = 1000  # ms
 _AFTER_ERROR = 1.0  # s, before a full disk is tried again
 
 
@@ -50,64 +53,57 @@ class Counts:
     steps: int = 0
     frames: int = 0
     frames_left_out: int = 0
-    steps_lost: int = 0
 
 
 class SessionWriter:
-    """Records a run in a folder, for `robsim.trace.Session`; a separate thread writes.
+    """Records a run in a file, for `robsim.trace.Session`; a separate thread writes.
 
     Only the constructor raises errors of the disk, FileExistsError for another session, and
-    ImportError without OpenCV. A kill loses the steps of the last second. While a callback holds
-    the interpreter, nothing is written, and the previous step can be lost, too.
+    ImportError without OpenCV. A kill loses the step that is being written. While a callback holds
+    the interpreter, nothing is written, and the previous step can be lost, too. `add` warns of the
+    first error.
 
     `Session` knows the keys area, dt, plane_map, stop_input, colors, markers, model, robot of
-    `setup`. `lossless` pictures are PNG, else JPEG; `fps` is for players. With `waits`, `add` waits
-    for a slow disk or processor, so that the video has every frame, as of a `robsim.Recording`.
+    `setup`; `floor` is the map of the floor itself, below the markers. `lossless` pictures are PNG,
+    else JPEG. With `waits`, `add` waits for a slow disk or processor, so that the file has every
+    frame, as of a `robsim.Recording`.
     """
 
     def __init__(
         self,
-        folder: str | PathLike[str],
+        path: str | PathLike[str],
         *,
         setup: Mapping[str, Any],
         lossless: bool = False,
-        fps: float | None = None,
         waits: bool = False,
     ) -> None:
-        self.folder = as_path(folder, "folder")
-        if fps is not None:
-            fps = check_float("fps", fps, "1/s", exclusive_minimum=0, maximum=1e5)
+        self.path = session_file(as_path(path))
         kind = "PNG" if check_bool("lossless", lossless) else "JPEG"
         cv2 = load_opencv("recording a session")
-        text = setup_text(setup, kind=kind, fps=fps)
+        text = setup_text(setup, kind=kind)
         self._waits = check_bool("waits", waits)
-        plane_map = _plane_map_of(setup)
-        _claim(self.folder, text.encode())
-        try:
-            self._files = _Files(self.folder, _Encoder(cv2, kind), fps, plane_map)
-        except BaseException:
-            with suppress(OSError):  # so that the folder can be tried again
-                (self.folder / SETUP).unlink()
-                (self.folder / ROWS).unlink()
-            raise
+        self._is_told = False
+        check_is_free(self.path)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._file = _SessionFile(self.path, _encoder(cv2, kind), text, setup)
         self._queue: queue.SimpleQueue[_Item | threading.Event | None] = queue.SimpleQueue()
         self._thread = threading.Thread(
-            target=_write, args=(self._queue, self._files), name="robsim session", daemon=True
+            target=_write, args=(self._queue, self._file), name="robsim session", daemon=True
         )
         self._process = os.getpid()
         self._thread.start()
         self._finish = weakref.finalize(
-            self, _finish, self._queue, self._thread, self._files, self._process
+            self, _finish, self._queue, self._thread, self._file, self._process
         )
 
     @property
     def counts(self) -> Counts:
-        return replace(self._files.counts)
+        return replace(self._file.counts)
 
     @property
     def error(self) -> Exception | None:
         """The first error of disk or encoder."""
-        return self._files.error
+        return self._file.error
 
     def add(self, row: Row, frame: Frame | None) -> None:
         """Record a step; row and frame must stay unchanged, but the writer adds picture values."""
@@ -118,7 +114,10 @@ class SessionWriter:
             self.flush()
             is_full = False
         until = math.inf if self._waits else time.monotonic() + _LONGEST_WAIT
-        self._queue.put(_Item(row, None if is_full else frame, until, is_full))
+        self._queue.put(_Item(row, None if is_full else frame, until, is_full, time.time_ns()))
+        if self.error is not None and not self._is_told:
+            self._is_told = True
+            warn_user(f"{one_line(self.path)} cannot be written: {cut(self.error)}")
 
     def flush(self) -> None:
         """Wait until all that was added is written."""
@@ -129,45 +128,24 @@ class SessionWriter:
                 pass
 
     def close(self, trace: Trace | None = None) -> None:
-        """Finish the session, a trace's rest in ``trace.npz``; warn of unrecorded data."""
+        """Finish the session, with a trace's rest; warn of unrecorded data."""
         if not self._finish.alive or self._process != os.getpid():
             return
+        self._file.trace = trace
         self._finish()
-        if trace is not None:
-            self._files.attempt(lambda: trace.save(self.folder / TRACE))
-        if trouble := self._files.trouble():
-            warn_user(f"{one_line(self.folder)}: {trouble}")
+        if trouble := self._file.trouble():
+            warn_user(f"{one_line(self.path)}: {trouble}")
 
 
-def check_is_free(folder: str | PathLike[str]) -> None:
-    if any(os.path.lexists(Path(folder) / name) for name in (SETUP, ROWS, VIDEO, END, TRACE)):
+def check_is_free(path: Path) -> None:
+    """Raise an error unless a session can be written there."""
+    if path.parent.exists() and not path.parent.is_dir():
+        raise NotADirectoryError(f"{one_line(path.parent)} is a file, not a folder")
+    if os.path.lexists(path):
         raise FileExistsError(
-            f"{one_line(folder)} has a recorded session already, which is not overwritten: give "
-            "another name"
+            f"there is {one_line(path)} already, and a session overwrites nothing: give another "
+            "name"
         )
-
-
-def _plane_map_of(setup: Mapping[str, Any]) -> PlaneMap:
-    given = setup.get("plane_map")
-    return given if isinstance(given, PlaneMap) else PlaneMap(np.eye(3) if given is None else given)
-
-
-def _claim(folder: Path, setup: bytes) -> None:
-    """Write the set-up into a folder that has no session yet; two at once do not both succeed."""
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{one_line(folder)} is a file, not a folder: give another name")
-    check_is_free(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    part = PartialFile(folder / SETUP)
-    try:
-        with naming(folder / SETUP):
-            matroska.write_all(part.descriptor, setup)
-        part.commit(overwrite=False)
-    except FileExistsError:
-        check_is_free(folder)
-        raise
-    finally:
-        part.discard()
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,55 +156,61 @@ class _Item:
     frame: Frame | None
     until: float  # s, monotonic: later, the frame is left out
     is_full: bool
+    now: int  # when it was added (ns since 1970)
 
 
-class _Encoder:
-    """Makes JPEG or PNG pictures of frames."""
+def _encoder(cv2: Any, kind: str) -> Callable[[Frame], bytes]:
+    """Return the function that makes a JPEG or PNG picture of a frame."""
+    suffix, options = ".png", []
+    if kind == "JPEG":
+        full = cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444
+        suffix, options = ".jpg", [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+        options += [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, full]
 
-    def __init__(self, cv2: Any, kind: str) -> None:
-        self.kind = kind
-        self._cv2 = cv2
-        self._suffix, self._options = ".png", []
-        if kind == "JPEG":
-            full = cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444
-            self._suffix = ".jpg"
-            self._options = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-            self._options += [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, full]
+    def encode(frame: Frame) -> bytes:  # others can use the interpreter meanwhile
+        bgr = cv2.cvtColor(frame.image, cv2.COLOR_RGB2BGR)
+        return bytes(cv2.imencode(suffix, bgr, options)[1])
 
-    def encode(self, frame: Frame) -> bytes:
-        """Return a frame as a picture; others can use the interpreter meanwhile."""
-        bgr = self._cv2.cvtColor(frame.image, self._cv2.COLOR_RGB2BGR)
-        _, picture = self._cv2.imencode(self._suffix, bgr, self._options)
-        return bytes(picture)
+    return encode
 
 
-class _Files:
-    """The files of a session, for the thread that writes them."""
+class _SessionFile:
+    """The file of a session, for the thread that writes it."""
 
     def __init__(
-        self, folder: Path, encoder: _Encoder, fps: float | None, plane_map: PlaneMap
+        self, path: Path, encode: Callable[[Frame], bytes], setup: str, given: Mapping[str, Any]
     ) -> None:
         self.counts = Counts()
         self.error: Exception | None = None
-        self._folder = folder
-        self._encoder = encoder
-        self._fps = fps
-        self._plane_map = plane_map
-        self._rows = _AppendedFile(folder / ROWS)
-        self._rows.append(HEADER)
-        sync_folder(folder)
-        self._video: _AppendedFile | None = None
-        self._size = (0, 0)
-        self._cues: list[matroska.Picture] = []  # one in a second
-        self._start = math.nan  # time of the first picture (s)
-        self._time = 0  # that of the last one in the video (ms)
-        self._waiting: list[bytes] = []  # rows that the disk did not take
+        self.trace: Trace | None = None
+        self.encode = encode
+        self._plane_map = given.get("plane_map") or PlaneMap()
+        self._floor = given.get("floor") or self._plane_map
+        self._mm_per_px = given.get("mm_per_px")
+        self._messages: Messages | None = None
+        self._size: tuple[int, int] | None = None
         self._try_again = -math.inf
+        self._file = _AppendedFile(path)
+        try:
+            self._writer = new_writer(self._file)
+            self._writer.start("ros2", "robsim")
+            self._writer.add_metadata(SETUP, {"toml": setup})
+            self._channels = {}
+            for topic, encoding, name, kind, text in channels():
+                schema = self._writer.register_schema(name, kind, text.encode())
+                self._channels[topic] = self._writer.register_channel(topic, encoding, schema)
+            self._file.append()
+            sync_folder(path.parent)
+        except BaseException:
+            with suppress(OSError):  # so that the name can be tried again
+                self._file.close()
+                path.unlink()
+            raise
 
     def write(self, item: _Item) -> None:
-        """Write a step: the picture first, so that no row has a picture that is not there."""
+        """Write a step with its picture, as one chunk."""
         row, frame = item.row, item.frame
-        number, left_out = None, "busy" if item.is_full else ""
+        left_out, data = "busy" if item.is_full else "", b""
         if frame is not None:
             seen = frame.plane_map
             row = replace(
@@ -235,82 +219,68 @@ class _Files:
                 plane_map=None if seen == self._plane_map else seen,
                 headings=frame.headings,
             )
-            if time.monotonic() > item.until:
-                left_out = "busy"
-            else:
-                left_out = self._write_picture(row.t, frame)
-            number = None if left_out else self.counts.frames
-        self.counts.frames += number is not None
+            left_out, data = self._picture(item.until, frame)
         self.counts.frames_left_out += bool(left_out)
-        self._waiting.append(line_of(with_frame(row, number, left_out)))
-        self.attempt(self._write_rows)
+        row = replace(row, left_out=left_out)
+        if self._messages is None:
+            moment = next(t for t in (row.t_sent, row.t_arrival, row.t) if not math.isnan(t))
+            epoch = item.now - round(1e9 * moment)
+            self._messages = Messages(self._plane_map, self._floor, self._mm_per_px, epoch)
+            self._add(row, self._messages.first(row.t))
+        self._add(row, self._messages.of(row))
+        if data and self._size is not None:
+            self._add(row, self._messages.picture(row, self._size, data))
+            self.counts.frames += 1
+        self._writer.flush()
+        self.attempt(self._append)
+        self.counts.steps += 1
 
-    def _write_picture(self, t: float, frame: Frame) -> str:
-        """Write a picture; return why it was not, as a word."""
+    def _add(self, row: Row, messages: Iterator[Message]) -> None:
+        for topic, t, data in messages:
+            self._writer.add_message(self._channels[topic], t, data, t, int(row.k) % 2**32)
+
+    def _append(self) -> None:
+        if time.monotonic() >= self._try_again:
+            self._try_again = time.monotonic() + _AFTER_ERROR
+            self._file.append()
+            self._try_again = -math.inf
+
+    def _picture(self, until: float, frame: Frame) -> tuple[str, bytes]:
+        """Return why a picture is not written, as a word, or the picture."""
         height, width = frame.image.shape[:2]
-        if self._cues and (width, height) != self._size:
-            return "size"
-        if time.monotonic() < self._try_again:
-            return "error"
-        if self.attempt(lambda: self._append_picture(t, frame)):
-            return ""
-        self._try_again = time.monotonic() + _AFTER_ERROR
-        return "error"
-
-    def _append_picture(self, t: float, frame: Frame) -> None:
-        height, width = frame.image.shape[:2]
-        picture = self._encoder.encode(frame)
-        if self._video is None:
-            self._video = _AppendedFile(self._folder / VIDEO)
-            sync_folder(self._folder)
-        head = b""
-        if self._video.end == 0:
-            self._size, self._start = (width, height), t
-            head = matroska.head(self._encoder.kind, self._size, self._fps)
-        # Players need times that do not fall.
-        moment = min(max(self._time, round(1000 * (t - self._start))), 2**40)
-        end = self._video.append(head + matroska.cluster(picture, moment))
-        self._time = moment
-        if not self._cues or moment >= self._cues[-1].time + _BETWEEN_CUES:
-            self._cues.append(matroska.Picture(end - len(picture), len(picture), moment))
-
-    def _write_rows(self) -> None:
-        self._rows.append(b"".join(self._waiting))
-        self.counts.steps += len(self._waiting)
-        self._waiting.clear()
+        if time.monotonic() > until:
+            return "busy", b""
+        if self._size not in (None, (width, height)):
+            return "size", b""
+        if self._file.waiting:  # a disk that takes nothing must not fill the memory
+            return "error", b""
+        encoded: list[bytes] = []
+        if not self.attempt(lambda: encoded.append(self.encode(frame))):
+            return "error", b""
+        self._size = (width, height)
+        return "", encoded[0]
 
     def sync(self) -> None:
-        """Bring what was written to the disk, the video first."""
-        for file in (self._video, self._rows):
-            if file is not None:
-                self.attempt(file.sync)
+        self.attempt(self._file.sync)
 
     def finish(self) -> None:
-        """Complete and close all files."""
-        if self._waiting:
-            self.attempt(self._write_rows)
-        self.counts.steps_lost = len(self._waiting)
-        if self._video is not None and self._cues:
-            self.attempt(self._finish_video)
+        """Complete and close the file."""
+        self.attempt(self._file.append)
+        if not self._file.waiting:
+            self.attempt(self._complete)
         self.sync()
-        self.attempt(self._write_end)
-        for file in (self._video, self._rows):
-            if file is not None:
-                self.attempt(file.close)
+        self.attempt(self._file.close)
 
-    def _finish_video(self) -> None:
-        assert self._video is not None
-        n = self.counts.frames
-        duration = self._time * n / max(1, n - 1)
-        matroska.finish(self._video.descriptor, self._cues, duration, self._video.end)
-
-    def _write_end(self) -> None:
-        import tomlkit
-
-        end = {**vars(self.counts)}
+    def _complete(self) -> None:
+        if (trace := self.trace) is not None and len(trace):
+            now = time.time_ns()
+            self._writer.add_attachment(now, now, TRACE, "application/zip", trace._packed())
+        end = {name: str(value) for name, value in vars(self.counts).items()}
         if self.error is not None:
             end["error"] = cut(f"{type(self.error).__name__}: {self.error}")
-        write_whole(self._folder / END, tomlkit.dumps(end).encode())
+        self._writer.add_metadata(END, end)
+        self._writer.finish()
+        self._file.append()
 
     def attempt(self, action: Any) -> bool:
         """Do something that may fail; keep the first error, and return whether it succeeded."""
@@ -327,76 +297,73 @@ class _Files:
         counts, parts = self.counts, []
         if counts.frames_left_out:
             seen = counts.frames + counts.frames_left_out
-            parts.append(f"{counts.frames_left_out} of {seen} frames were left out of the video")
-        if counts.steps_lost:
-            parts.append(f"{counts.steps_lost} steps could not be written")
+            parts.append(f"{counts.frames_left_out} of {seen} frames were left out: /diagnostics")
+        if self._file.waiting:
+            parts.append("the last steps could not be written")
         if self.error is not None:
             parts.append(f"the first error was {cut(self.error)}")
-        elif counts.frames_left_out:
-            parts.append(
-                "disk or processor could not keep up, or the frames changed their size; see the "
-                f"column left_out of {ROWS}"
-            )
         return "; ".join(parts)
 
 
-class _AppendedFile:
-    """A new file that grows by whole pieces: what a full disk took of one is removed again."""
+class _AppendedFile(Pieces):
+    """A new file that grows by whole pieces: a part of one that a full disk took is removed."""
 
     def __init__(self, path: Path) -> None:
+        super().__init__()
         self._path = path
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-        self.descriptor = os.open(path, flags, 0o666)
-        self.end = 0
-        self._close = weakref.finalize(self, os.close, self.descriptor)
+        self._descriptor = os.open(path, flags, 0o666)
+        self._close = weakref.finalize(self, os.close, self._descriptor)
         self._close.atexit = False  # the session is finished there, and needs it
+        lock(self._descriptor)
 
-    def append(self, piece: bytes) -> int:
-        """Write a piece; return the new end of the file."""
+    def append(self) -> None:
+        """Bring what waits to the file, or nothing of it."""
+        piece = self.whole()
         with naming(self._path):
             try:
-                matroska.write_all(self.descriptor, piece)
+                while piece:  # a full disk may take a part before it refuses
+                    piece = piece[os.write(self._descriptor, piece) :]
             except OSError:
-                os.ftruncate(self.descriptor, self.end)
-                os.lseek(self.descriptor, self.end, os.SEEK_SET)
+                os.ftruncate(self._descriptor, self.start)
+                os.lseek(self._descriptor, self.start, os.SEEK_SET)
                 raise
-        self.end += len(piece)
-        return self.end
+        self.take()
 
     def sync(self) -> None:
         with naming(self._path):
-            os.fsync(self.descriptor)
+            os.fsync(self._descriptor)
 
     def close(self) -> None:
         with naming(self._path):
             self._close()
 
 
-def _write(items: queue.SimpleQueue[Any], files: _Files) -> None:
+def _write(items: queue.SimpleQueue[Any], file: _SessionFile) -> None:
     """Write what comes, until None does."""
     is_over = threading.Event()
     syncing = threading.Thread(
-        target=_sync, args=(files, is_over), name="robsim session to disk", daemon=True
+        target=_sync, args=(file, is_over), name="robsim session to disk", daemon=True
     )
     syncing.start()
     while (item := items.get()) is not None:
         if isinstance(item, _Item):
-            files.attempt(lambda item=item: files.write(item))
+            file.attempt(lambda item=item: file.write(item))
         else:
             item.set()
     is_over.set()
     syncing.join()
-    files.finish()
+    file.finish()
 
 
-def _sync(files: _Files, is_over: threading.Event) -> None:
-    """Bring the files to the disk once a second: beside the writing, which must not wait for it."""
+def _sync(file: _SessionFile, is_over: threading.Event) -> None:
+    """Bring the file to the disk once a second: beside the writing, which must not wait for it."""
     while not is_over.wait(_BETWEEN_SYNCS):
-        files.sync()
+        file.sync()
 
 
 def _finish(
-    items: queue.SimpleQueue[Any], thread: threading.Thread, files: _Files, process: int
+    items: queue.SimpleQueue[Any], thread: threading.Thread, file: _SessionFile, process: int
 ) -> None:
     if os.getpid() == process:  # a forked child has none of its parent's threads
         items.put(None)

@@ -41,7 +41,8 @@ class VideoReader:
         self._av = load_av("reading a video")
         if file.suffix.lower() in image_suffixes() - {".gif"}:
             raise ValueError(f"{one_line(file)} is an image, not a video: give its folder")
-        content_of(file, 1)  # a regular file
+        if content_of(file, 5) == b"\x89MCAP":
+            raise ValueError(f"{one_line(file)} is a session: give robsim.trace.Session(...)")
         stamps, n, end, has_keys = array("q"), 0, 0, False
         with self._open() as (container, stream):
             self._tick, self._rate = float(stream.time_base), float(stream.average_rate or 0)

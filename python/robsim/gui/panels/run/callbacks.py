@@ -49,6 +49,7 @@ class Callbacks(Part):
         self._files = self._runner._from_folder
         self._due = self._may_edit = 0.0
         self._noted: set[str] = set()  # doubts
+        self._is_trouble_told = False
 
     def handlers(self) -> Handlers:
         return {"source": self._source, "edit": self._edit}
@@ -61,6 +62,9 @@ class Callbacks(Part):
             if doubt not in self._noted:
                 self._noted.add(doubt)
                 self.panel.note(doubt[:1].upper() + doubt[1:], level="warning")
+        if (trouble := self.panel.record.trouble) is not None and not self._is_trouble_told:
+            self._is_trouble_told = True
+            self.panel.note(f"The session cannot be written: {said_by(trouble)}", level="warning")
 
     def changed(self) -> None:
         if self.panel.driver.state == "closed":

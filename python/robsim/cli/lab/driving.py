@@ -80,9 +80,13 @@ class StatusLine:
         left, right = trace.u[-1]
         return (
             f"{trace.t[-1]:5.1f} s {rate:5.1f}/s  age {1e3 * age:3.0f} ms  "
-            f"dropped {counts.dropped + counts.torn}  {self._seen(trace)}  "
+            f"dropped {counts.dropped + counts.torn}  {self._not_recorded()}{self._seen(trace)}  "
             f"{left:+.2f} {right:+.2f} V"
         )
+
+    def _not_recorded(self) -> str:
+        recording = self._experiment._recording
+        return "" if recording is None or recording.error is None else "NOT RECORDED  "
 
     def _seen(self, trace: Trace) -> str:
         """Return the measured pose, or why there is none."""

@@ -83,7 +83,7 @@ def live(
     Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15
     """
     from robsim._core import Limits
-    from robsim.cli.driving import LiveRun, step_of_model
+    from robsim.cli.lab.driving import LiveRun, step_of_model
     from robsim.cli.results import check_folder
     from robsim.cli.sources import opened, rate_of
     from robsim.simulation.options import step_count
@@ -132,7 +132,7 @@ def live(
         run.drive(line, folder, {name: one for name, one in options.items() if one is not None})
     if run.experiment is not None:
         finish(run.experiment, out, as_json=as_json, more=run.reports, unit=unit, scale=scale)
-        if session is not None and (session / "steps.csv").exists():
+        if session is not None and session.exists():
             errors.print_note(f"the session is in {session}; with other callbacks, in Python:")
             errors.print_note(f"  {_replay(session, folder)}")
     if run.failure is not None:
@@ -155,7 +155,7 @@ def _stops_at_signals() -> Iterator[None]:
 
 
 def _session(out: Path, record: bool | None, camera: str) -> Path | None:
-    """Return a folder for the session that is not there yet; None = it is not recorded."""
+    """Return a new file for the session; None = the run is not recorded."""
     from robsim.vision.imaging.video import load_opencv
 
     if record is False or (record is None and Path(camera).exists()):
@@ -168,9 +168,9 @@ def _session(out: Path, record: bool | None, camera: str) -> Path | None:
         errors.print_note(f"not recorded: {error}")
         return None
     number = 1
-    while (out / f"session-{number}").exists():
+    while any((out / f"session-{number}{end}").exists() for end in ("", ".mcap")):
         number += 1
-    return out / f"session-{number}"
+    return out / f"session-{number}.mcap"
 
 
 def _replay(session: Path, folder: Path | None) -> str:

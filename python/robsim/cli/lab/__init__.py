@@ -1,0 +1,1 @@
+"""Commands of the laboratory: live runs, recorded sessions."""
