@@ -175,11 +175,17 @@ def floor_of(unit):
     return PlaneMap(np.linalg.inv(LENS.matrix @ columns), LENS)
 
 
+@pytest.mark.parametrize("in_setup", [True, False])
 @pytest.mark.parametrize("mm_per_px", [MM_PER_PX, None])
-def test_the_camera_stands_where_its_pictures_say(tmp_path, mm_per_px):
+def test_the_camera_stands_where_its_pictures_say(tmp_path, mm_per_px, in_setup):
     unit = MM_PER_PX / 1000 if mm_per_px else 1
     floor = floor_of(MM_PER_PX / 1000)
-    setup = {"plane_map": floor, "mm_per_px": mm_per_px, "area": (600, 480), "dt": 0.2}
+    setup = {
+        "plane_map": floor if in_setup else None,
+        "mm_per_px": mm_per_px,
+        "area": (600, 480),
+        "dt": 0.2,
+    }
     writer = SessionWriter(tmp_path / "s", setup=setup, waits=True)
     image = np.zeros((500, 660, 3), np.uint8)
     pose = (400.0, 130.0, 0.7)

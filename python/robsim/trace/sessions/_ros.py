@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim._core import PlaneMap
+from robsim._core import Frame, PlaneMap
 from robsim.trace.sessions.rows import Row, json_of
 
 #: The topics that robsim itself reads.
@@ -134,10 +134,7 @@ def picture_in(message: bytes) -> bytes:
 class Messages:
     """Makes the messages of steps; `robsim.trace.Session` describes their units and frames."""
 
-    def __init__(
-        self, plane_map: PlaneMap, floor: PlaneMap, mm_per_px: float | None, epoch: int
-    ) -> None:
-        self._plane_map = plane_map
+    def __init__(self, floor: PlaneMap, mm_per_px: float | None, epoch: int) -> None:
         self._unit = 1.0 if mm_per_px is None else mm_per_px / 1000
         self._end = "_px" if mm_per_px is None else ""
         self._floor = floor
@@ -166,9 +163,8 @@ class Messages:
         yield STEPS, self.at(row.t), json_of(row)
         if np.isfinite(row.pose_measured).all():
             yield self._pose("/pose_measured", row.t, row.pose_measured, row.covariance)
-            x, y, heading = row.pose_measured
-            place = x * self._unit, y * self._unit, 0.0
-            yield self._transforms("/tf", row.t, [("area", "robot", place, _about_z(heading))])
+            tree = [("area", "robot", *self._place(row.pose_measured))]
+            yield self._transforms("/tf", row.t, tree)
         if row.estimate is not None:
             yield self._pose("/pose_estimated", row.t, row.estimate.pose, row.estimate.covariance)
         if np.isfinite(row.u).all():
@@ -185,29 +181,31 @@ class Messages:
             message = _packed(_TOPICS["/diagnostics"], self._head(row.t, ""), said)
             yield "/diagnostics", self.at(row.t), message
 
-    def picture(self, row: Row, size: tuple[int, int], data: bytes) -> Iterator[Message]:
-        """Give the messages of a step's picture, of a width and height."""
-        camera, lens = self._head(row.t, self._area("camera")), self._plane_map.intrinsics
-        if lens is not None and row.plane_map is None:
-            k = lens.matrix.ravel().tolist()
-            p = np.hstack((lens.matrix, np.zeros((3, 1)))).ravel().tolist()
-            eye = np.eye(3).ravel().tolist()
-            rest = (0, 0, (0, 0, 0, 0, False))
-            values = size[1], size[0], "plumb_bob", lens.distortion.tolist(), k, eye, p, *rest
-            info = _packed("sensor_msgs/CameraInfo", camera, *values)
+    def picture(self, row: Row, frame: Frame, data: bytes) -> Iterator[Message]:
+        """Give the messages of a step's picture."""
+        camera, lens = self._head(row.t, self._area("camera")), frame.plane_map.intrinsics
+        if lens is not None:
+            p = np.hstack((lens.matrix, np.zeros((3, 1))))
+            matrices = (one.ravel().tolist() for one in (lens.matrix, np.eye(3), p))
+            model = "plumb_bob", lens.distortion.tolist(), *matrices, 0, 0, (0, 0, 0, 0, False)
+            info = _packed("sensor_msgs/CameraInfo", camera, *frame.image.shape[:2], *model)
             yield "/camera/camera_info", self.at(row.t), info
         kind = "png" if data.startswith(b"\x89PNG") else "jpeg"
         yield PICTURES, self.at(row.t), _packed(_TOPICS[PICTURES], camera, kind, data)
 
     def _pose(self, topic: str, t: float, pose: Any, covariance: Any) -> Message:
-        x, y, heading = pose
-        place = (x * self._unit, y * self._unit, 0.0), _about_z(heading)
         spread = np.zeros((6, 6))  # ROS 2: all 0 = not known
         if covariance is not None:
             scale = np.array([self._unit, self._unit, 1.0])
             spread[np.ix_([0, 1, 5], [0, 1, 5])] = covariance * np.outer(scale, scale)
-        values = self._head(t, self._area()), (place, spread.ravel().tolist())
+        values = self._head(t, self._area()), (self._place(pose), spread.ravel().tolist())
         return topic, self.at(t), _packed(_POSE, *values)
+
+    def _place(self, pose: Any) -> tuple[tuple[float, float, float], tuple[float, ...]]:
+        """Return the place and the quaternion of a pose."""
+        x, y, heading = pose
+        turn = 0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2)
+        return (x * self._unit, y * self._unit, 0.0), turn
 
     def _transforms(self, topic: str, t: float, tree: list[tuple[str, str, Any, Any]]) -> Message:
         values = [
@@ -232,7 +230,3 @@ class Messages:
         turn = np.column_stack((pose[:, 0], pose[:, 1], np.cross(pose[:, 0], pose[:, 1])))
         to_area = Rotation.from_matrix(turn).inv()
         return (-self._unit * to_area.apply(pose[:, 2])).tolist(), to_area.as_quat().tolist()
-
-
-def _about_z(angle: float) -> tuple[float, float, float, float]:
-    return 0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)

@@ -185,7 +185,7 @@ class _SessionFile:
         self.trace: Trace | None = None
         self.encode = encode
         self._plane_map = given.get("plane_map") or PlaneMap()
-        self._floor = given.get("floor") or self._plane_map
+        self._floor = given.get("floor") or given.get("plane_map")
         self._mm_per_px = given.get("mm_per_px")
         self._messages: Messages | None = None
         self._size: tuple[int, int] | None = None
@@ -225,11 +225,12 @@ class _SessionFile:
         if self._messages is None:
             moment = next(t for t in (row.t_sent, row.t_arrival, row.t) if not math.isnan(t))
             epoch = item.now - round(1e9 * moment)
-            self._messages = Messages(self._plane_map, self._floor, self._mm_per_px, epoch)
+            floor = self._floor or (frame.plane_map if frame else PlaneMap())
+            self._messages = Messages(floor, self._mm_per_px, epoch)
             self._add(row, self._messages.first(row.t))
         self._add(row, self._messages.of(row))
-        if data and self._size is not None:
-            self._add(row, self._messages.picture(row, self._size, data))
+        if data and frame is not None:
+            self._add(row, self._messages.picture(row, frame, data))
             self.counts.frames += 1
         self._writer.flush()
         self.attempt(self._append)
