@@ -80,12 +80,12 @@ def write_file(path, setup, steps, compression=CompressionType.NONE, each=1):
         writer.start("ros2", "by hand")
         writer.add_metadata("robsim.setup", {"toml": setup})
         places = {}
-        for topic, encoding, name, kind, text in _ros.channels():
-            places[topic] = writer.register_channel(
-                topic, encoding, writer.register_schema(name, kind, text.encode())
-            )
+        for topic, kind, text in _ros.channels():
+            schema = writer.register_schema(kind, "ros2msg", text.encode())
+            places[topic] = writer.register_channel(topic, "cdr", schema)
         for k, (line, picture) in enumerate(steps):
-            writer.add_message(places[_ros.STEPS], k, line, k, k)
+            step = _ros._packed("std_msgs/String", line)
+            writer.add_message(places[_ros.STEPS], k, step, k, k)
             if picture is not None:
                 data = _ros._packed("sensor_msgs/CompressedImage", ((0, 0), "camera"), "", picture)
                 writer.add_message(places[_ros.PICTURES], k, data, k, k)

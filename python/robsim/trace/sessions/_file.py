@@ -22,7 +22,7 @@ from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 from robsim.base.files import open_file
 from robsim.base.files.reading import regular
 from robsim.base.text import cut, one_line
-from robsim.trace.sessions._ros import PICTURES, STEPS, picture_in
+from robsim.trace.sessions._ros import PICTURES, STEPS, picture_in, text_in
 from robsim.trace.sessions.rows import MOST_LINE, MOST_ROWS, Row, row_of_json
 
 MAGIC = MCAP0_MAGIC  # at both ends of a file
@@ -228,7 +228,7 @@ class _Steps:
                 topic = self._topics.get(number)
                 if topic == STEPS:
                     sequence = count
-                    self._add(self._inside.at(place, min(length, MOST_LINE + 1)))
+                    self._add(text_in(self._inside.at(place, min(length, MOST_LINE + 10))))
                 elif topic == PICTURES and count == sequence and size <= _MOST_CHUNK:
                     self._places[-1] = Place(place, length, start, size, checksum)
         is_checked = checksum and size <= _WINDOW and len(self._rows) > before

@@ -22,6 +22,7 @@ _TYPES = dict(
     line.split(": ")
     for line in """\
 builtin_interfaces/Time: int32 sec, uint32 nanosec
+std_msgs/String: string data
 std_msgs/Header: builtin_interfaces/Time stamp, string frame_id
 std_msgs/MultiArrayDimension: string label, uint32 size, uint32 stride
 std_msgs/MultiArrayLayout: std_msgs/MultiArrayDimension[] dim, uint32 data_offset
@@ -52,6 +53,7 @@ diagnostic_msgs/DiagnosticArray: std_msgs/Header header, diagnostic_msgs/Diagnos
 _CODES = {"int32": "i", "uint32": "I", "float64": "d", "uint8": "B", "byte": "B", "bool": "?"}
 _POSE, _TF = "geometry_msgs/PoseWithCovarianceStamped", "tf2_msgs/TFMessage"
 _TOPICS = {
+    STEPS: "std_msgs/String",  # JSON
     PICTURES: "sensor_msgs/CompressedImage",
     "/camera/camera_info": "sensor_msgs/CameraInfo",
     "/pose_measured": _POSE,
@@ -69,11 +71,10 @@ _LATEST = 2**63 - 1  # ns
 Message = tuple[str, int, bytes]
 
 
-def channels() -> Iterator[tuple[str, str, str, str, str]]:
-    """Give topics: name, encoding; name, encoding and text of the schema."""
-    yield STEPS, "json", "robsim/Step", "jsonschema", json.dumps({"type": "object"})
+def channels() -> Iterator[tuple[str, str, str]]:
+    """Give topics, the names of their types, and the definitions of these."""
     for topic, kind in _TOPICS.items():
-        yield topic, "cdr", kind.replace("/", "/msg/"), "ros2msg", _definition(kind)
+        yield topic, kind.replace("/", "/msg/"), _definition(kind)
 
 
 @cache
@@ -113,12 +114,17 @@ def _put(out: bytearray, kind: str, value: Any) -> None:
         out += bytes((4 - len(out)) % struct.calcsize(code))  # the head of 4 bytes does not count
         out += struct.pack(f"<{code}", value)
     elif kind == "string":
-        text = value.encode(errors="replace") + b"\0"
+        text = (value if isinstance(value, bytes) else value.encode(errors="replace")) + b"\0"
         _put(out, "uint32", len(text))
         out += text
     else:
         for (part, _), one in zip(_fields(kind), value, strict=True):
             _put(out, part, one)
+
+
+def text_in(message: bytes) -> bytes:
+    """Return the text of a `String`; struct.error: it is another message."""
+    return message[8 : 7 + struct.unpack_from("<I", message, 4)[0]]
 
 
 def picture_in(message: bytes) -> bytes:
@@ -160,7 +166,7 @@ class Messages:
 
     def of(self, row: Row) -> Iterator[Message]:
         """Give the messages of a step, but for its picture."""
-        yield STEPS, self.at(row.t), json_of(row)
+        yield STEPS, self.at(row.t), _packed(_TOPICS[STEPS], json_of(row))
         if np.isfinite(row.pose_measured).all():
             yield self._pose("/pose_measured", row.t, row.pose_measured, row.covariance)
             tree = [("area", "robot", *self._place(row.pose_measured))]

@@ -196,9 +196,9 @@ class _SessionFile:
             self._writer.start("ros2", "robsim")
             self._writer.add_metadata(SETUP, {"toml": setup})
             self._channels = {}
-            for topic, encoding, name, kind, text in channels():
-                schema = self._writer.register_schema(name, kind, text.encode())
-                self._channels[topic] = self._writer.register_channel(topic, encoding, schema)
+            for topic, kind, text in channels():
+                schema = self._writer.register_schema(kind, "ros2msg", text.encode())
+                self._channels[topic] = self._writer.register_channel(topic, "cdr", schema)
             self._file.append()
             sync_folder(path.parent)
         except BaseException:
