@@ -48,6 +48,17 @@ def warnings_of(call):
     return [str(one.message) for one in caught]
 
 
+def test_no_warning_takes_the_place_of_an_error():
+    def control(step):
+        return 1 / (40 - step.k), 0.0
+
+    sim = robsim.Simulation(measure=in_degrees, control=control, start=(600, 600, 0.5), seed=1)
+    assert warnings_of(lambda: sim.run(39))  # with the default it would be an error here
+    sim.reset()
+    with pytest.raises(ZeroDivisionError):
+        sim.run(60)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("control", [robsim.Spin(1.0), robsim.DriveAround()])
 @pytest.mark.parametrize(

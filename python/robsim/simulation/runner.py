@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from os import PathLike
 from threading import Lock
 from typing import Any, ClassVar
@@ -307,11 +307,15 @@ class Runner(Slotted):
     @contextmanager
     def _doubts_told(self) -> Iterator[None]:
         """Warn afterwards of implausible results of callbacks, once per run."""
+        has_failed = True
         try:
             yield
+            has_failed = False
         finally:
-            if not self._core.is_running:
-                self._tell_doubts()
+            # Where warnings are errors, none takes the place of an error.
+            with suppress(Warning) if has_failed else nullcontext():
+                if not self._core.is_running:
+                    self._tell_doubts()
 
     @property
     def _doubts(self) -> list[str]:
