@@ -58,10 +58,11 @@ class Callbacks(Part):
         self._send(link, self._described())
 
     def take(self, step: Step) -> None:
-        for doubt in self._runner._doubts:
+        doubts = self._runner._doubts
+        for doubt in doubts:
             if doubt not in self._noted:
-                self._noted.add(doubt)
                 self.panel.note(doubt[:1].upper() + doubt[1:], level="warning")
+        self._noted = set(doubts)
         if (trouble := self.panel.record.trouble) is not None and not self._is_trouble_told:
             self._is_trouble_told = True
             self.panel.note(f"The session cannot be written: {said_by(trouble)}", level="warning")
