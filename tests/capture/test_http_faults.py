@@ -123,7 +123,9 @@ def test_the_end_of_the_stream_comes_after_its_last_image(back_end):
     assert "http://127.0.0.1" in str(error)
 
 
-def test_it_is_opened_again_if_that_is_asked_for():
+@pytest.mark.parametrize("is_separate", [True, False])
+def test_it_is_opened_again_if_that_is_asked_for(is_separate, monkeypatch):
+    monkeypatch.setattr(process, "is_possible", lambda: is_separate)
     with MjpegServer(images) as server, opened(server, reopen=True) as camera:
         wait_for(lambda: camera.counts.reopened and camera.counts.grabbed >= 5)
     assert len(server.requests) >= 2

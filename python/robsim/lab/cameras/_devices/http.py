@@ -256,7 +256,7 @@ class HttpCamera:
         with self._changed:
             self._end = self._end or UnpluggedError(f"{self.name} is closed")
         if self._response is not None:
-            with contextlib.suppress(OSError, ValueError):
+            with contextlib.suppress(AttributeError, OSError, ValueError):  # of one that ended
                 line = socket.fromfd(self._response.fileno(), socket.AF_INET, socket.SOCK_STREAM)
                 with line:
                     line.shutdown(socket.SHUT_RDWR)
