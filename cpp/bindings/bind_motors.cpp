@@ -40,8 +40,7 @@ void bind_event(py::module_& module) {
       Field("kind", &MotorEvent::kind,
             "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
             "that could not be written; \"timeout\", the robot stopped without a line; "
-            "\"silence\", it "
-            "answered before, and has not for a second."));
+            "\"silence\", it answered before, and has not for a second."));
   define_record(event, fields);
   define_repr(event, fields);
 }
@@ -208,7 +207,8 @@ robsim.lab.LineError
                              "list of MotorEvent: what was sent; the newest 100 000.")
       .def_property_readonly(
           "is_silent", &MotorLink::is_silent,
-          "bool: whether the robot, which answered before, has not for a second.")
+          "bool: whether lines go out, and the robot, which answered before, has answered none for "
+          "a second.")
       .def_property_readonly(
           "round_trip_times",
           [](const MotorLink& self) {

@@ -1958,7 +1958,7 @@ class MotorLink:
     @property
     def is_silent(self) -> bool:
         """
-        bool: whether the robot, which answered before, has not for a second.
+        bool: whether lines go out, and the robot, which answered before, has answered none for a second.
         """
     @property
     def name(self) -> str:

@@ -141,6 +141,11 @@ def test_a_robot_that_answers_no_more_is_told():
             experiment = robsim.Experiment(frames(), send=motors, control=spin, **options)
             trace = experiment.run()
             assert "silence" in kinds(motors)
+            answers.clear()
+            motors((1, -1))
+            wait_for(lambda: motors.is_silent)
+            motors.stop()
+            wait_for(lambda: not motors.is_silent)
             ended.set()
     assert len(told) == 1
     assert motors.name in str(told[0].message)

@@ -171,6 +171,7 @@ void MotorLink::State::tell_to_stop() {
   } else {
     mode = Mode::idle;
     unanswered_since.reset();  // nothing is asked
+    is_silent = false;
     schedule(never);
   }
 }

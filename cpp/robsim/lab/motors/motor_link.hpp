@@ -64,7 +64,7 @@ class MotorLink {
   /// How long answers took, the newest ones (s). Empty: the robot does not answer.
   std::vector<double> round_trip_times() const;
 
-  /// Whether the robot answered before, and has answered no line for a second.
+  /// Whether lines go out, and the robot, which answered before, has answered none for a second.
   bool is_silent() const;
 
  private:
