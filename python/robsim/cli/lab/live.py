@@ -76,7 +76,7 @@ def live(
     --dt SECONDS: 1 / RATE, instead of --fps, in s.
     --frame-timeout SECONDS: Without a fresh frame for so long, the robot is stopped. Default: three
         frames, at least 0.1 s, or up to 0.3 s if their jitter needs it.
-    --record/--no-record: Record frames and inputs in a session in that folder, to be replayed.
+    --record/--no-record: Record frames and inputs in a session in the folder --out, to be replayed.
         Default: yes, but for a file.
     --lossless: Record the frames without loss.
 
