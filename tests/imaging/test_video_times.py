@@ -235,3 +235,10 @@ def test_frame_k_beside_a_sound(tmp_path):
         container.mux(stream.encode(None))
         container.mux(sound.encode(None))
     check(robsim.Recording(file), [Fraction(k, 25) for k in range(40)])
+
+
+def test_a_title_in_another_coding(tmp_path):
+    file = tmp_path / "run.avi"
+    write_numbered(file, SWITCHED[:3], "mpeg4", tick=Fraction(1, 5))
+    file.write_bytes(file.read_bytes().replace(b"Lavf", b"L\xe4vf"))
+    check(robsim.Recording(file), SWITCHED[:3])

@@ -161,7 +161,7 @@ class VideoReader:
     def _open(self) -> Iterator[tuple[Any, Any]]:
         name = f"file:{self.file.absolute()}"
         try:
-            container = self._av.open(name, container_options=_ALONE)
+            container = self._av.open(name, container_options=_ALONE, metadata_errors="replace")
         except self._av.FFmpegError as error:
             raise ValueError(
                 f"{one_line(self.file)} is not a video, or it is damaged or truncated"
