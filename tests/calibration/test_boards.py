@@ -152,7 +152,7 @@ def smeared():
         (lambda: smeared(), HELD, "blurred"),
         (lambda: held(*VIEWS[1]), Chessboard(7, 5, 20), "9 x 6"),
         (lambda: np.full((480, 640, 3), 9, np.uint8), HELD, "dark"),
-        (lambda: np.full((480, 640, 3), 150, np.uint8), HELD, "no part"),
+        (lambda: np.full((480, 640, 3), 150, np.uint8), HELD, "too few"),
     ],
 )
 def test_a_board_that_is_not_found_has_a_reason(picture, board, why):
