@@ -317,9 +317,12 @@ def test_repair_says_what_it_did(file, tmp_path):
     assert "whole" in second
     assert said() == [second, second]
     file.write_bytes(b"RIFF")
-    refusal = command("sessions", "repair", str(file))
-    assert refusal.exit_code != 0
+    other = tmp_path / "other.mcap"
+    other.write_bytes(other.read_bytes()[:-3])
+    refusal = command("sessions", "repair", str(file), str(other))
+    assert refusal.exit_code == 2
     assert file.read_bytes() == b"RIFF"
+    assert "completed" in refusal.output
 
 
 def test_a_file_that_is_written_is_not_completed(tmp_path):

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import typer
+
 from robsim.base.text import one_line
 from robsim.cli import errors
 from robsim.cli.command import command, command_group
@@ -35,17 +37,24 @@ def repair(files: list[Path]) -> None:
     """Complete sessions that were cut off, so that all programs open them.
 
     The torn step at the end is removed, and the index is written. robsim does that, too, when it
-    opens such a file.
+    opens such a file. The exit status is 1 if one stays damaged, 2 if one cannot be read.
 
     SESSION: Files of sessions.
 
     Example: robsim sessions repair robsim-live/session-1.mcap
     """
-    from robsim.trace.sessions._file import complete, read_file, session_file
+    from robsim.trace.sessions._file import complete, existing_file, read_file
 
-    for file in map(session_file, files):
-        count = len(read_file(file).rows)
-        errors.say(f"{one_line(file)}: {count} steps; it {_SAID[complete(file)]}")
+    codes = []
+    for file in map(existing_file, files):
+        try:
+            with errors.report_errors():
+                count, done = len(read_file(file).rows), complete(file)
+                errors.say(f"{one_line(file)}: {count} steps; it {_SAID[done]}")
+                codes.append(int(done == "damaged"))
+        except typer.Exit as failure:
+            codes.append(failure.exit_code)
+    raise typer.Exit(max(codes))
 
 
 @command(app)

@@ -45,6 +45,11 @@ def session_file(path: Path) -> Path:
     return path if path.name.endswith(".mcap") else path.with_name(path.name + ".mcap")
 
 
+def existing_file(path: Path) -> Path:
+    """Return the file or folder of a session that is there, with or without ``.mcap``."""
+    return path if path.exists() else session_file(path)
+
+
 def lock(descriptor: int) -> bool:
     """Take a file until it is closed; False: another writer has it."""
     try:

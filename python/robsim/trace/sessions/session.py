@@ -114,7 +114,7 @@ class Session:
                 f"{one_line(self.path)} has no session: no file {_folders.SETUP}"
             )
         if not is_folder:
-            self.path = self.path if self.path.exists() else _file.session_file(self.path)
+            self.path = _file.existing_file(self.path)
             with suppress(OSError, *_file.UNREADABLE):  # then it is read as it is
                 _file.complete(self.path)
         found = _folders.read_folder(self.path) if is_folder else _file.read_file(self.path)
@@ -152,7 +152,7 @@ class Session:
         """Whether there is a session, as far as a look tells."""
         from robsim.trace.sessions import _file, _folders
 
-        path = path if path.exists() else _file.session_file(path)
+        path = _file.existing_file(path)
         if path.is_dir():
             return (path / _folders.SETUP).is_file()
         return path.is_file() and content_of(path, len(_file.MAGIC)) == _file.MAGIC
