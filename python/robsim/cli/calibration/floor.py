@@ -43,8 +43,8 @@ def floor(
     over the whole area, and take a picture; nothing need be measured. --place says where the cross
     of a sheet lies on the area; by default the sheet of the lowest number is the middle of the
     area, and x points to its right. Or by marks whose places you measured: --marks or --pixels and
-    --positions. Six or more are checked against each other. The exit status is 1 if the result is
-    bad.
+    --positions. Six or more, with a lens five, are checked against each other. The exit status is
+    1 if the result is bad.
 
     PICTURES: Pictures of the floor, folders of them, or videos; the camera stands still.
     --area WxH: Size of the work area in px.
