@@ -242,3 +242,18 @@ def test_a_title_in_another_coding(tmp_path):
     write_numbered(file, SWITCHED[:3], "mpeg4", tick=Fraction(1, 5))
     file.write_bytes(file.read_bytes().replace(b"Lavf", b"L\xe4vf"))
     check(robsim.Recording(file), SWITCHED[:3])
+
+
+def test_a_tape_of_a_dv_camcorder(tmp_path):
+    if "dvvideo" not in av.codecs_available:
+        pytest.skip("this system has no dvvideo")
+    with av.open(str(tmp_path / "tape.dv"), "w", format="dv") as tape:
+        stream = tape.add_stream("dvvideo", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 720, 576, "yuv420p"
+        for level in (60, 120, 180):
+            pixels = np.full((576, 720, 3), level, np.uint8)
+            tape.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")))
+        tape.mux(stream.encode(None))
+    recording = robsim.Recording(tmp_path / "tape.dv")
+    assert [round(frame.image.mean(), -1) for frame in recording] == [60, 120, 180]
+    assert [frame.t for frame in recording] == pytest.approx([0, 0.04, 0.08])

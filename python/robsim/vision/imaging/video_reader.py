@@ -28,8 +28,8 @@ _UNKNOWN = -(2**63)  # as a stamp
 # Only what holds its own frames: FFmpeg also reads playlists of other files and of addresses.
 _ALONE = {
     "protocol_whitelist": "file",
-    "format_whitelist": "mov,matroska,avi,ogg,flv,asf,mpeg,mpegvideo,mpegts,mxf,ivf,gif,"
-    "yuv4mpegpipe",
+    "format_whitelist": "mov,matroska,avi,dv,ogg,flv,asf,mpeg,mpegvideo,mpegts,mxf,ivf,"
+    "gif,yuv4mpegpipe",
 }
 
 
@@ -42,7 +42,10 @@ class VideoReader:
         if file.suffix.lower() in image_suffixes() - {".gif"}:
             raise ValueError(f"{one_line(file)} is an image, not a video: give its folder")
         if content_of(file, 5) == b"\x89MCAP":
-            raise ValueError(f"{one_line(file)} is a session: give robsim.trace.Session(...)")
+            raise ValueError(
+                f"{one_line(file)} is a session: give robsim.trace.Session(...), "
+                "or its video, by robsim sessions video"
+            )
         stamps, n, end, has_keys = array("q"), 0, 0, False
         with self._open() as (container, stream):
             self._tick, self._rate = float(stream.time_base), float(stream.average_rate or 0)
@@ -164,7 +167,8 @@ class VideoReader:
             container = self._av.open(name, container_options=_ALONE, metadata_errors="replace")
         except self._av.FFmpegError as error:
             raise ValueError(
-                f"{one_line(self.file)} is not a video, or it is damaged or truncated"
+                f"{one_line(self.file)} is not a video in a file such as MP4, MKV or AVI, or it "
+                "is damaged or truncated"
             ) from error
         with container:
             stream = container.streams.best("video")
