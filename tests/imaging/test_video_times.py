@@ -257,3 +257,8 @@ def test_a_tape_of_a_dv_camcorder(tmp_path):
     recording = robsim.Recording(tmp_path / "tape.dv")
     assert [round(frame.image.mean(), -1) for frame in recording] == [60, 120, 180]
     assert [frame.t for frame in recording] == pytest.approx([0, 0.04, 0.08])
+
+
+def test_a_short_video_without_durations_is_whole(tmp_path):
+    times = [Fraction(k, 25) for k in range(12)]
+    check(written(tmp_path / "run.wmv", times, "wmv2", tick=Fraction(1, 25)), times)

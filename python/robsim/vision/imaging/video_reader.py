@@ -46,16 +46,17 @@ class VideoReader:
                 f"{one_line(file)} is a session: give robsim.trace.Session(...), "
                 "or its video, by robsim sessions video"
             )
-        stamps, n, end, has_keys = array("q"), 0, 0, False
+        stamps, n, end, has_keys = array("q"), 0, 0.0, False
         with self._open() as (container, stream):
             self._tick, self._rate = float(stream.time_base), float(stream.average_rate or 0)
             claimed = stream.frames / self._rate if self._rate else 0.0
+            frame = 1 / self._rate / self._tick if self._rate else 0.0  # without a duration
             if len(container.streams) == 1:  # not a longer sound
                 claimed = max(claimed, (container.duration or 0) / self._av.time_base)
             for packet in filter(lambda one: one.size, self._packets(container, stream)):
                 n += 1
                 has_keys |= packet.is_keyframe
-                end = max(end, _stamp(packet) + (packet.duration or 0))
+                end = max(end, _stamp(packet) + (packet.duration or frame))
                 if not packet.is_discard:  # hidden by an edit list
                     stamps.append(_stamp(packet))
             # An AVI does not tell in which order frames are shown, but the decoder does.
