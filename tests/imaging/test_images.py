@@ -58,7 +58,7 @@ def test_a_photo_is_read_as_it_lies_on_the_sensor(pixels, tmp_path, orientation)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         np.testing.assert_array_equal(load_image(tmp_path / "photo.png"), pixels)
-    images._tell_of_turn.cache_clear()
+    images.tell_of_turn.cache_clear()
 
 
 @pytest.mark.parametrize("channels", [1, 3])

@@ -6,6 +6,7 @@ import io
 import os
 import struct
 import sys
+import time
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -285,13 +286,16 @@ def new_writer(pieces: Any) -> Any:
     return Writer(pieces, chunk_size=2**40, compression=CompressionType.NONE)
 
 
-def complete(path: Path) -> str:
+def complete(path: Path, at_rest: float = 0.0) -> str:
     """Remove a torn record at the end of a file, and write its index; return "completed".
 
     Nothing is done to a file that is "whole", "in use", or "damaged" in another way than by a kill.
+    One that has changed within the last `at_rest` seconds is in use: it may be a copy under way.
     An OSError leaves a file that can be completed later.
     """
     with open(path, "r+b", opener=regular) as file:
+        if time.time() - os.fstat(file.fileno()).st_mtime < at_rest:
+            return "in use"
         inside = _Records(file)
         if inside.size > len(MAGIC) and inside.at(inside.size - len(MAGIC), len(MAGIC)) == MAGIC:
             return "whole"

@@ -26,6 +26,7 @@ from robsim.vision.imaging.images import MOST_PIXELS, frame_size, pixels_of
 
 _UNKNOWN_DT = 0.2  # s, of a trace whose times tell nothing
 _LONGEST_DT = 1e6  # s
+_AT_REST = 10.0  # s, before a file that was cut off is completed
 _ALWAYS = ("t", "u", "pose_measured", "interrupted")
 _WHERE_KNOWN = ("t_arrival", "t_sent", "last_u")
 
@@ -39,7 +40,7 @@ class Session:
 
     A run that was killed, or is still going on, can be read up to what was written when the session
     was opened: a kill loses the last step. A file that was cut off so is completed when it is
-    opened.
+    opened, unless it has changed in the last 10 s: another program may be copying it.
 
     Parameters
     ----------
@@ -116,7 +117,7 @@ class Session:
         if not is_folder:
             self.path = _file.existing_file(self.path)
             with suppress(OSError, *_file.UNREADABLE):  # then it is read as it is
-                _file.complete(self.path)
+                _file.complete(self.path, _AT_REST)
         found = _folders.read_folder(self.path) if is_folder else _file.read_file(self.path)
         self._found = found
         source = self.path / _folders.SETUP if is_folder else self.path

@@ -88,15 +88,18 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
     except Exception as error:  # Pillow's decoders raise many types
         raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
     if is_turned:
-        _tell_of_turn()
+        tell_of_turn()
     if is_deep and 0 < pixels[..., :3].max() < _DARK:
         warn_user(f"{name} is nearly black: are 12 bits in its 16? Then multiply its values by 16")
     return pixels
 
 
 @cache
-def _tell_of_turn() -> None:
-    warn_user("pictures that viewers turn by EXIF orientation are read as they lie on the sensor")
+def tell_of_turn() -> None:
+    """Warn of it, once."""
+    warn_user(
+        "pictures that viewers turn, by EXIF or a video's metadata, are read as on the sensor"
+    )
 
 
 def pixels_of(image: Image.Image, mode: str | None = None) -> Pixels:

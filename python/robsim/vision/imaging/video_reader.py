@@ -16,7 +16,7 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.base.files import content_of
 from robsim.base.text import one_line
-from robsim.vision.imaging.images import MOST_PIXELS, Pixels, image_suffixes
+from robsim.vision.imaging.images import MOST_PIXELS, Pixels, image_suffixes, tell_of_turn
 from robsim.vision.imaging.video import load_av, noted_headings
 
 _COMPLETE = 0.95  # fraction of its duration; some files only estimate it
@@ -116,8 +116,10 @@ class VideoReader:
                     stamp = round(_stamp(frame) * frame.time_base / stream.time_base)
                     found = int(np.searchsorted(self._stamps, stamp))
                 if index < found < self.count:
+                    if frame.rotation:
+                        tell_of_turn()
                     pixels = converter.reformat(frame, format="rgb24").to_ndarray()
-                    yield found, np.ascontiguousarray(np.rot90(pixels, frame.rotation // 90))
+                    yield found, np.ascontiguousarray(pixels)
                     index = found
 
     def _progressive(self, frames: Iterator[Any], stream: Any) -> Iterator[Any]:
