@@ -100,7 +100,7 @@ class Recording:
     A video has the times of its file, from the first frame on. A frame that depends on a damaged
     one may show remains of it. Of an interlaced video, a frame shows the field that was exposed
     first, at its time; yadif interpolates the other rows, at 0.1 px and 0.3 degrees of a pose.
-    Frames lie as on the sensor, also those of a video or photo that viewers turn.
+    Frames lie as on the sensor, also where viewers turn a video or photo.
 
     Examples
     --------
