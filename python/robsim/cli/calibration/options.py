@@ -65,16 +65,14 @@ def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tup
     the first one, is left out; a warning tells.
     """
     from robsim.vision.imaging.images import check_same_size, frame_size, image_suffixes, load_image
-    from robsim.vision.imaging.recordings import Recording, left_out
+    from robsim.vision.imaging.recordings import Recording, images_in, left_out
 
     images: list[Path] = []
     for source in sources:
-        if source.is_dir() or source.suffix.lower() in image_suffixes():
-            files = sorted(source.iterdir()) if source.is_dir() else [source]
-            found = [one for one in files if one.suffix.lower() in image_suffixes()]
-            if not found:
-                raise ValueError(f"{source} has no pictures")
-            images += found
+        if source.is_dir():
+            images += images_in(source)
+        elif source.suffix.lower() in image_suffixes():
+            images.append(source)
         else:
             recording = Recording(source)
             every = max(recording.count // most, 1)

@@ -223,18 +223,8 @@ class _Folder:
     shortage = ""
 
     def __init__(self, folder: Path) -> None:
-        suffixes = image_suffixes()
-        files = [
-            file
-            for file in folder.iterdir()
-            if file.suffix.lower() in suffixes and file.is_file() and not file.name.startswith(".")
-        ]
-        if not files:
-            video = folder / "frames.mkv"
-            hint = f": its video is {one_line(video)}" if video.is_file() else ""
-            raise ValueError(f"there are no images in the folder {one_line(folder)}{hint}")
-        self.files = sorted(files, key=_natural_order)
-        self.count = len(files)
+        self.files = images_in(folder)
+        self.count = len(self.files)
 
     def name(self, index: int) -> str:
         return one_line(self.files[index])
@@ -248,6 +238,21 @@ class _Folder:
 
     def at(self, index: int) -> Pixels:
         return load_image(self.files[index])
+
+
+def images_in(folder: Path) -> list[Path]:
+    """Return the images of a folder in natural order; ValueError if it has none."""
+    suffixes = image_suffixes()
+    files = [
+        file
+        for file in folder.iterdir()
+        if file.suffix.lower() in suffixes and file.is_file() and not file.name.startswith(".")
+    ]
+    if not files:
+        video = folder / "frames.mkv"
+        hint = f": its video is {one_line(video)}" if video.is_file() else ""
+        raise ValueError(f"there are no images in the folder {one_line(folder)}{hint}")
+    return sorted(files, key=_natural_order)
 
 
 def _natural_order(file: Path) -> tuple[list[str | int], str]:

@@ -195,7 +195,8 @@ class HttpCamera:
                     f"{self.name} answers {error.code}: give user and password in the address, as "
                     "http://user:password@host/path; no other host gets them"
                 ) from None
-            said = cut(f"{error.code} {error.reason} {error.headers.get('Location', '')}".strip())
+            reason, place = str(error.reason).partition("\n")[0], error.headers.get("Location", "")
+            said = cut(f"{error.code} {reason} {place}".strip())
             raise NoCameraError(f"{self.name} answers {said}: is the path right?") from None
         except (HTTPException, ValueError) as error:
             raise NoCameraError(
