@@ -241,7 +241,7 @@ class _Folder:
 
 
 def images_in(folder: Path) -> list[Path]:
-    """Return the images of a folder in natural order; ValueError if it has none."""
+    """Return the images of a folder in natural order; ValueError: there are no images."""
     suffixes = image_suffixes()
     files = [
         file
