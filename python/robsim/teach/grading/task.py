@@ -134,7 +134,7 @@ def hidden_files(rules: Rules) -> list[str]:
 def modules_with_masked(rules: Rules) -> list[str]:
     """Return the modules of robsim with code of masked functions and classes."""
     files = _files_with_code(rules)
-    ours = [one for one in tuple(sys.modules.items()) if one[0].startswith("robsim.")]
+    ours = [one for one in sys.modules.copy().items() if one[0].startswith("robsim.")]
     return sorted(name for name, module in ours if getattr(module, "__file__", None) in files)
 
 

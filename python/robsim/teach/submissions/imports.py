@@ -89,8 +89,10 @@ def _spoil(values: dict[str, Any]) -> None:
             for name in [name for name, part in vars(value).items() if callable(part)]:
                 setattr(value, name, _Absent(mask))
             continue
-        for module in [module for name, module in sys.modules.items() if _above(name, ["robsim"])]:
-            for name in [name for name, part in vars(module).items() if part is value is not None]:
+        ours = [one for name, one in sys.modules.copy().items() if _above(name, ["robsim"])]
+        for module in ours:
+            names = vars(module).copy().items()  # other threads import
+            for name in [name for name, part in names if part is value is not None]:
                 setattr(module, name, _Absent(mask))
         values[mask] = None
 
@@ -108,10 +110,10 @@ def _value_of(mask: str) -> Any:
 
 def _take_everywhere(value: Any, mask: str, restored: ExitStack) -> None:
     """Take an object away from the core and all rooms that offer it; their own code keeps it."""
-    for name, module in tuple(sys.modules.items()):
+    for name, module in sys.modules.copy().items():
         if value is None or not f"{name}.".startswith("robsim.") or name.startswith("robsim.teach"):
             continue
-        offered = vars(module) if name == "robsim._core" else vars(module).get("__all__", ())
+        offered = tuple(vars(module)) if name == "robsim._core" else vars(module).get("__all__", ())
         for attribute in [key for key in offered if vars(module).get(key) is value]:
             restored.callback(setattr, module, attribute, value)
             setattr(module, attribute, _Absent(mask))
