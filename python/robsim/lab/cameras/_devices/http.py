@@ -195,8 +195,8 @@ class HttpCamera:
                     f"{self.name} answers {error.code}: give user and password in the address, as "
                     "http://user:password@host/path; no other host gets them"
                 ) from None
-            reason, place = str(error.reason).partition("\n")[0], error.headers.get("Location", "")
-            said = cut(f"{error.code} {reason} {place}".strip())
+            why, place = str(error.reason).partition("\n")[0], error.headers.get("Location", "")
+            said = cut(f"{error.code} {why} {place}".strip())
             raise NoCameraError(f"{self.name} answers {said}: is the path right?") from None
         except (HTTPException, ValueError) as error:
             raise NoCameraError(
