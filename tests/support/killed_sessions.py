@@ -65,7 +65,7 @@ def check(folder, killed):
     stood_still = np.diff([*noted, killed]).max()
     told = int(lines[-1].split()[2])
     must = max(told, int(np.sum(noted < killed - LOST_AT_MOST - stood_still)))
-    os.utime(f"{folder}.mcap", (0, 0))  # nobody is copying it
+    os.utime(f"{folder}.mcap", (0, 0))  # no copy under way
     session = Session(folder)
     assert must <= session.count <= len(noted), (folder, must, session.count, len(noted))
     assert not session.is_complete
