@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from mcap import reader
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
@@ -17,7 +18,6 @@ from robsim.vision import Intrinsics, PlaneMap
 from sessions import AREA, Row, numbered, record
 
 cv2 = pytest.importorskip("cv2")
-reader = pytest.importorskip("mcap.reader")
 decoder = pytest.importorskip("mcap_ros2.decoder")
 
 MM_PER_PX = 2.5

@@ -37,7 +37,8 @@ def repair(files: list[Path]) -> None:
     """Complete sessions that were cut off, so that all programs open them.
 
     The torn step at the end is removed, and the index is written. robsim does that, too, when it
-    opens such a file. The exit status is 1 if one stays damaged, 2 if one cannot be read.
+    opens a file at rest for 10 s. The exit status is 1 if one stays damaged, 2 if one cannot be
+    read.
 
     SESSION: Files of sessions.
 
