@@ -83,7 +83,7 @@ void ExternalWorld::note_arrival(Arrived& arrived, bool is_fresh) {
   const double before = last_arrival_;
   last_arrival_ = arrived.known.t_arrival ? *arrived.known.t_arrival + *epoch_ : now;
   if (!is_armed_) return;
-  // In whole ms, as a message tells it
+  // In whole ms, for the message
   const double needed = std::ceil(1000 * jitter_factor * (last_arrival_ - before)) / 1000;
   frame_timeout_ = std::max(frame_timeout_, std::min(needed, longest_timeout_));
   watchdog_->set_timeout(frame_timeout_);
