@@ -210,8 +210,8 @@ class VideoWriter:
         shown.pts = self.count
         with self._naming():
             if self._size is None:
-                self._size = size
                 self._file = self._part.path.open("wb")
+                self._size = size
                 kind = "matroska" if self.path.suffix.lower() == ".mkv" else self.path.suffix[1:]
                 self._container = self._av.open(self._file, "w", format=kind.lower())
                 rate = Fraction(str(self._fps))
@@ -227,21 +227,20 @@ class VideoWriter:
         part, self._part = self._part, None
         if part is None:
             return
-        if self._size is None:
-            part.discard()
-            return
         try:
-            with self._naming():
-                self._container.mux(self._stream.encode(None))
-                self._container.close()
-                self._file.close()
-            (headings,) = self._headings if len(self._headings) == 1 else (None,)
-            if headings is not None:
-                note_headings(part.path, headings)
-            part.commit()
+            if self.count:  # PyAV 19 crashes at the end of an encoder that knows no such frames
+                with self._naming():
+                    self._container.mux(self._stream.encode(None))
+                    self._container.close()
+                    self._file.close()
+                (headings,) = self._headings if len(self._headings) == 1 else (None,)
+                if headings is not None:
+                    note_headings(part.path, headings)
+                part.commit()
         finally:
-            with suppress(OSError):  # a full disk
-                self._file.close()
+            if self._size is not None:
+                with suppress(OSError):  # a full disk
+                    self._file.close()
             part.discard()
 
     @contextmanager

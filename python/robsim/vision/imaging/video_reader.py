@@ -166,8 +166,11 @@ class VideoReader:
     @contextmanager
     def _open(self) -> Iterator[tuple[Any, Any]]:
         name = f"file:{self.file.absolute()}"
+        # Titles need not be UTF-8; from PyAV 19 on, they never fail.
+        is_strict = int(self._av.__version__.partition(".")[0]) < 19
+        titles = {"metadata_errors": "replace"} if is_strict else {}
         try:
-            container = self._av.open(name, container_options=_ALONE, metadata_errors="replace")
+            container = self._av.open(name, container_options=_ALONE, **titles)
         except self._av.FFmpegError as error:
             raise ValueError(
                 f"{one_line(self.file)} is not a video in a file such as MP4, MKV or AVI, or it "
