@@ -122,3 +122,31 @@ def test_a_process_that_dies_is_an_unplugged_camera(url, options):
 
         wait_for(is_reopened)
         camera.read()
+
+
+INTERRUPTED = """
+import signal, socket, sys, robsim
+signal.signal(signal.SIGINT, signal.default_int_handler)
+mute = socket.create_server(("127.0.0.1", 0))
+try:
+    robsim.Camera(f"http://127.0.0.1:{mute.getsockname()[1]}/", open_timeout=300)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_ctrl_c_while_a_camera_is_opened_ends_its_process():
+    with child(INTERRUPTED) as reader:
+        wait_for(lambda: has_worker(reader.pid))
+        worker = worker_of(reader.pid)
+        reader.send_signal(signal.SIGINT)
+        assert reader.stdout.readline() == "interrupted\n"
+        wait_for(lambda: has_ended(worker))
+        reader.stdin.close()
+
+
+def has_worker(reader):
+    with contextlib.suppress(AssertionError):
+        return bool(worker_of(reader))
+    return False

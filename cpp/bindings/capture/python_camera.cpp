@@ -114,12 +114,16 @@ void StreamedCamera::close() noexcept {
   PythonCamera::close();
 }
 
-void PythonCamera::close() noexcept {
+void StreamedCamera::interrupt() noexcept { call_quietly("interrupt"); }
+
+void PythonCamera::close() noexcept { call_quietly("close"); }
+
+void PythonCamera::call_quietly(const char* method) const noexcept {
   const py::gil_scoped_acquire interpreter;
   try {
-    call("close");
+    call(method);
   } catch (py::error_already_set& error) {
-    error.discard_as_unraisable("close");
+    error.discard_as_unraisable(method);
   }
 }
 

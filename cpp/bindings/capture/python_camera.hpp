@@ -39,17 +39,19 @@ class PythonCamera : public CaptureDevice {
 
  protected:
   py::object call(const char* method) const;
+  void call_quietly(const char* method) const noexcept;
   PyObject* camera() const { return camera_.get(); }
 };
 
 /// A camera in another process. `open()` of its object in Python returns the descriptor of a socket
-/// that frames come from; they are read without the interpreter.
+/// that frames come from; they are read without the interpreter. `interrupt()` ends `open()`.
 class StreamedCamera : public PythonCamera {
  public:
   explicit StreamedCamera(py::object camera) : PythonCamera(std::move(camera), true) {}
 
   void open() override;
   std::optional<Captured> next(ImagePool& pool) override;
+  void interrupt() noexcept override;
   void close() noexcept override;
 
  private:

@@ -147,7 +147,8 @@ void ExternalWorld::check_wait(std::int64_t k) const {
 std::string ExternalWorld::proposal() const {
   const double enough = jitter_factor * (monotonic_now() - last_arrival_);
   if (enough > most_proposed) return "";
-  return ": for a frame that is only late, " + to_text(std::ceil(20 * enough) / 20) + " s would do";
+  return "; for a frame that is only late, " + to_text(std::ceil(20 * enough) / 20) +
+         " s is enough";
 }
 
 void ExternalWorld::check_watchdog(std::int64_t k) const {
@@ -155,7 +156,7 @@ void ExternalWorld::check_watchdog(std::int64_t k) const {
   throw FrameTimeout("the robot was stopped, as no fresh frame was taken within frame_timeout = " +
                      to_text(frame_timeout_) + " s of the arrival of that of step " +
                      std::to_string(k) +
-                     ": the callbacks took too long, or give a longer frame_timeout" + proposal());
+                     ": make the callbacks faster, or give a longer frame_timeout" + proposal());
 }
 
 std::optional<Input> ExternalWorld::stop() noexcept {

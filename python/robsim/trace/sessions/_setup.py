@@ -21,7 +21,7 @@ from robsim.vision.robots.files import LAYOUT
 
 FORMAT = 3
 _KINDS = (str, bool, int, float, list, dict, datetime.datetime)
-_PACKAGES = ("robsim", "numpy", "pillow", "opencv-python-headless", "opencv-python")
+_PACKAGES = ("robsim", "numpy", "pillow", "av", "mcap", "opencv-python-headless", "opencv-python")
 _LARGEST_INT = 2**63  # of TOML
 
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from robsim.lab.cameras._devices.worker import FAULT, HEAD
@@ -68,6 +69,7 @@ class CameraProcess:
         self.name = camera.name
         self._process: subprocess.Popen[bytes] | None = None
         self._frames: socket.socket | None = None
+        self._is_interrupted = False
 
     def open(self) -> int:
         """Start the process; return the descriptor of the socket that its frames come from."""
@@ -86,6 +88,8 @@ class CameraProcess:
                 stderr=subprocess.DEVNULL,
                 start_new_session=True,  # Ctrl-C is for its reader
             )
+        if self._is_interrupted:
+            raise CaptureError(f"{self.name} is closed")
         self._wait_until_open(self._frames, time.monotonic() + _START + self._camera.open_timeout)
         return self._frames.fileno()
 
@@ -118,6 +122,13 @@ class CameraProcess:
         if self._frames is not None:
             self._frames.close()
         self._process = self._frames = None
+
+    def interrupt(self) -> None:
+        """End the wait for the camera, from another thread; it cannot be opened again."""
+        self._is_interrupted = True
+        if (frames := self._frames) is not None:
+            with suppress(OSError):
+                frames.shutdown(socket.SHUT_RDWR)
 
     def read(self) -> Any:
         """Return nothing: the frames come from the socket."""
