@@ -203,7 +203,7 @@ import robsim
 print("numpy" in sys.modules)
 robsim.Simulation, robsim.Camera
 late = {"matplotlib", "cv2", "pandas", "scipy", "typer", "rich", "tqdm", "tomlkit", "platformdirs"}
-late |= {"mcap"}
+late |= {"mcap", "jinja2"}
 print(sorted(late & set(sys.modules)))
 import robsim.lab, robsim.lab
 trace = robsim.Simulation(control=robsim.DriveAround(), estimate_parameters=True, seed=1).run(60)

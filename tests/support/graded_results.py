@@ -4,8 +4,7 @@ from hypothesis import strategies as st
 
 from robsim.teach import reports as reports
 from robsim.teach import results as _results
-from robsim.teach.reports.class_page import class_page
-from robsim.teach.reports.student_page import student_page
+from robsim.teach.reports.pages import class_page, student_page
 from robsim.teach.results import FailedRun
 
 __all__ = ["FailedRun", "class_page", "reports", "student_page"]

@@ -83,9 +83,9 @@ _NAMED = [
     ),
     (
         "an escape in a page off",
-        "python/robsim/teach/reports/markup.py",
-        "html.escape(clean_text(str(text), 2**20))",
-        "clean_text(str(text), 2**20)",
+        "python/robsim/teach/reports/pages.py",
+        "        autoescape=True,\n",
+        "        autoescape=False,\n",
     ),
     (
         "a frame reused",

@@ -1,16 +1,14 @@
-"""Drawings in HTML: paths on one floor, points of a class, a score between its limits."""
+"""Drawings in pages: places of paths on a floor, of points of a class, of a score in its limits."""
 
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robsim.base.checks import Floats
-from robsim.teach.reports.markup import Html, tag
 from robsim.teach.results import ScoreResult, fraction_of, number
 
 
@@ -23,48 +21,39 @@ class DrawnPath:
     points: float
 
 
+@dataclass(frozen=True)
+class Floor:
+    """A floor with paths as in SVG: title, kind and points of each, those with all points last."""
+
+    title: str
+    view: str
+    radius: float  # of the dot at a start
+    area: tuple[float, float]
+    lines: Sequence[tuple[str, str, str, Sequence[float]]]
+
+
 def floor_of(
     title: str, paths: Sequence[DrawnPath], area: tuple[float, float], most: float
-) -> Html:
-    """Return the floor with the paths, those with all points on top."""
-    left, top, side = _view(paths, area)
+) -> Floor:
+    """Return the floor with the paths, those with all points on top, and the view around all."""
     ordered = sorted(paths, key=lambda path: path.points)
-    lines = [line for path in ordered if (line := _line(path, most, side / 160))]
-    edge = tag("rect", class_="edge", x="0", y="0", width=f"{area[0]:g}", height=f"{area[1]:g}")
-    said = f"The best run of each of {len(lines)} submissions, from above; the dot is the start."
-    look = {"viewBox": f"{left:.0f} {top:.0f} {side:.0f} {side:.0f}", "role": "img"}
-    drawing = tag("svg", edge, *lines, aria_label=f"{title}. {said}", **look)
-    head = tag("h3", title), tag("p", said, class_="quiet")
-    return tag("figure", *head, drawing, class_="chart floor")
-
-
-def _view(paths: Sequence[DrawnPath], area: tuple[float, float]) -> tuple[float, float, float]:
-    """Return left, top and side of the square of the floor that is shown: around all paths."""
-    known = np.vstack([_known(path) for path in paths])
+    known = [path.positions[np.isfinite(path.positions).all(axis=1)] for path in ordered]
     low, high = np.zeros(2), np.array(area)
-    if len(known):
-        low, high = known.min(axis=0), known.max(axis=0)
+    if len(everywhere := np.vstack(known)):
+        low, high = everywhere.min(axis=0), everywhere.max(axis=0)
     side = 1.1 * max(*(high - low), 0.2 * max(area))
     left, top = (low + high - side) / 2
-    return left, top, side
-
-
-def _known(path: DrawnPath) -> Floats:
-    known: Floats = path.positions[np.isfinite(path.positions).all(axis=1)]
-    return known
-
-
-def _line(path: DrawnPath, most: float, radius: float) -> Html | None:
-    known = _known(path)
-    if not len(known):
-        return None
-    kind = shade(path.points, most)
-    label = tag("title", f"{path.student}: {number(path.points)} of {number(most)}")
-    text = " ".join(f"{x:.1f},{y:.1f}" for x, y in known)
-    x, y = known[0]
-    at = {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius:.1f}"}
-    start = tag("circle", class_=kind, **at)
-    return tag("g", tag("polyline", label, class_=f"path {kind}", points=text), start)
+    lines = [
+        (
+            f"{path.student}: {number(path.points)} of {number(most)}",
+            shade(path.points, most),
+            " ".join(f"{x:.1f},{y:.1f}" for x, y in places),
+            places[0].round(1).tolist(),
+        )
+        for path, places in zip(ordered, known, strict=True)
+        if len(places)
+    ]
+    return Floor(title, f"{left:.0f} {top:.0f} {side:.0f} {side:.0f}", side / 160, area, lines)
 
 
 def shade(points: float, most: float) -> str:
@@ -74,84 +63,44 @@ def shade(points: float, most: float) -> str:
 
 
 _PARTS = 10  # between none and all
-_WIDTH, _HEIGHT, _TOP, _BOTTOM = 240, 110, 14, 16
-_GAP = 2
 
 
-def histogram(title: str, points: Sequence[float], most: float) -> Html:
-    """Return the histogram of points: none, ten parts, all."""
-    counts = _counts(points, most)
-    step = _WIDTH / len(counts)
-    tall = (_HEIGHT - _TOP - _BOTTOM) / max(*counts, 1)
-    base = _HEIGHT - _BOTTOM
-    bars = []
-    for index, count in enumerate(counts):
-        kind = "none" if index == 0 else "all" if index == len(counts) - 1 else "some"
-        x, height = index * step + _GAP / 2, count * tall
-        box = {"x": f"{x:.1f}", "y": f"{base - height:.1f}", "height": f"{height:.1f}"}
-        bars.append(tag("rect", class_=kind, width=f"{step - _GAP:.1f}", rx="2", **box))
-        if count:
-            middle = {"x": f"{x + step / 2 - _GAP / 2:.1f}", "y": f"{base - height - 3:.1f}"}
-            bars.append(tag("text", count, text_anchor="middle", **middle))
-    line = tag("line", class_="axis", x1="0", x2=_WIDTH, y1=base, y2=base)
-    ends = [
-        tag("text", "none", x="0", y=_HEIGHT - 3),
-        tag("text", f"all {number(most)}", x=_WIDTH, y=_HEIGHT - 3, text_anchor="end"),
-    ]
-    said = _said(points, counts, most)
-    view = f"0 0 {_WIDTH} {_HEIGHT}"
-    drawing = tag("svg", *bars, line, *ends, viewBox=view, role="img", aria_label=said)
-    return tag("figure", tag("h3", title), tag("p", said, class_="quiet"), drawing, class_="chart")
-
-
-def _counts(points: Sequence[float], most: float) -> list[int]:
+def counts_of(points: Sequence[float], most: float) -> list[int]:
+    """Return the number of submissions without points, with each tenth of them, with all."""
     counts = [0] * (_PARTS + 2)
     for one in points:
-        if one >= most:
-            counts[-1] += 1
-        elif one <= 0:
-            counts[0] += 1
-        else:
-            counts[1 + min(int(_PARTS * one / most), _PARTS - 1)] += 1
+        share = fraction_of(one, most)
+        counts[-1 if share == 1 else math.floor(_PARTS * share) + 1 if share > 0 else 0] += 1
     return counts
-
-
-def _said(points: Sequence[float], counts: Sequence[int], most: float) -> str:
-    if not points:
-        return "no submission"
-    middle = number(round(statistics.median(points), 2))
-    return f"median {middle} of {number(most)}; all points: {counts[-1]}, none: {counts[0]}"
 
 
 _EDGE = 1.15  # room beside the outermost of what is shown, a factor
 _WIDEST = 100.0  # what is so many times beyond the limits stands at the edge
 
 
-def scale_of(score: ScoreResult) -> Html:
+@dataclass(frozen=True)
+class Scale:
+    """A score between its limits; places are in percent of the width, from the left."""
+
+    zones: Sequence[tuple[str, float, float]]  # kind, left, width
+    runs: Sequence[float]
+    result: Sequence[float]
+    ticks: Sequence[tuple[str, float]]  # limit, left
+
+
+def scale_of(score: ScoreResult) -> Scale:
     """Return the bar; its axis is the logarithm of the statistic: points are linear in that."""
     runs = list(_values_of_runs(score))
     low, high = _range(score, [*runs, score.statistic])
 
     def at(value: float) -> float:
-        """Return where a value stands, in percent of the width."""
-        logs = np.log([low, high])
-        return 100 * float(np.interp(math.log(value), logs, (0, 1))) if value > 0 else 0.0
+        share = math.log(value / low) / math.log(high / low) if value > 0 else 0.0
+        return round(100 * min(max(share, 0.0), 1.0), 2)
 
-    zones = [
-        tag("i", class_=f"zone {kind}", style=f"left:{at(a):.2f}%;width:{at(b) - at(a):.2f}%")
-        for kind, a, b in _zones(score, low, high)
-    ]
-    dots = [tag("i", class_="run", style=f"left:{at(value):.2f}%") for value in runs]
-    mark = []
-    if math.isfinite(score.statistic):
-        mark = [tag("i", class_="mark", style=f"left:{at(score.statistic):.2f}%")]
-    ticks = [
-        tag("span", f"{limit:.3g}", class_="tick", style=f"left:{at(limit):.2f}%")
-        for limit in _limits(score)
-    ]
-    bar = tag("div", *zones, *dots, *mark, class_="bar")
-    # What it shows stands above it in words.
-    return tag("div", bar, tag("div", *ticks, class_="ticks"), class_="scale", aria_hidden="true")
+    zones = [(kind, at(a), round(at(b) - at(a), 2)) for kind, a, b in _zones(score, low, high)]
+    result = [at(score.statistic)] if math.isfinite(score.statistic) else []
+    ticks = [(f"{limit:.3g}", at(limit)) for limit in _limits(score)]
+    return Scale(zones, [*map(at, runs)], result, ticks)
 
 
 def _values_of_runs(score: ScoreResult) -> Iterable[float]:

@@ -11,8 +11,7 @@ from typing import Any
 from robsim.base.checks import check_choice
 from robsim.base.files import as_path, write_whole
 from robsim.teach.reports import words
-from robsim.teach.reports.markup import data_uri, joined, listed, tag
-from robsim.teach.reports.student_page import boxes
+from robsim.teach.reports.pages import data_uri, rendered
 from robsim.teach.reports.student_text import for_student
 from robsim.teach.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.texts import clean_line, clean_text
@@ -122,23 +121,7 @@ def _test(
 
 
 def _details(result: SubmissionResult, test: TestResult, picture: str | None) -> str:
-    """Return what is said of a test, as HTML without a line break but in what stands as it is."""
-    parts = [
-        tag("p", f"{words.STATUS[test.status][0]}: {words.result_text(test)}")
-        if test.status in words.STATUS
-        else "",
-        *(tag("p", text) for text in (test.sentence, words.blame(test)) if text),
-        listed(
-            words.score_line(score, test.most) for score in test.scores if words.has_numbers(test)
-        ),
-    ]
-    if picture is not None:
-        parts.append(tag("p", tag("img", src=picture, alt="A run")))
-    if caption := words.caption_text(test):
-        parts.append(tag("p", caption))
-    for head, body in boxes(test):
-        parts += [tag("p", tag("b", head)), body]
-    if test.public:
-        command = tag("code", words.repeat_command(test))
-        parts.append(tag("p", f"{words.REPEAT}: ", command))
-    return str(joined(*parts))
+    """Return the details of a test as HTML."""
+    status = f"{words.STATUS[test.status][0]}: {words.result_text(test)}"
+    texts = (status, test.sentence, words.blame(test))
+    return rendered("gradescope.html", test=test, texts=texts, picture=picture)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 import shlex
+import statistics
+from collections.abc import Iterator, Sequence
 
 from robsim.base.report import percent
 from robsim.teach.results import (
@@ -66,6 +68,11 @@ def notes(result: SubmissionResult) -> list[str]:
     if not result.is_unread:
         return list(result.notes)
     return [f"It could not be read, and nothing of it was run. {note}" for note in result.notes]
+
+
+def all_notes(result: SubmissionResult) -> list[str]:
+    waiting = "" if result.is_done else "Not all tests have been run yet."
+    return [note for note in (waiting, not_graded(result), *notes(result)) if note]
 
 
 def sentence(result: SubmissionResult, test: TestResult) -> str:
@@ -165,6 +172,16 @@ def has_numbers(test: TestResult) -> bool:
     return any(not math.isnan(score.statistic) for score in test.scores)
 
 
+def boxes(test: TestResult) -> Iterator[tuple[str, str | list[str]]]:
+    """Yield what helps to find a mistake: a heading, and a text or a list below it."""
+    if test.finding:
+        yield FINDING, test.finding
+    if test.failed:
+        yield failed_head(test), failed_texts(test)
+    if output := test.output.rstrip():
+        yield OUTPUT, output
+
+
 def repeat_command(test: TestResult) -> str:
     return f"robsim grade . mine --public --only {shlex.quote(test.name)}"
 
@@ -190,3 +207,24 @@ def not_graded(result: SubmissionResult) -> str:
 
 def versions_text(result: SubmissionResult) -> str:
     return ", ".join(f"{name} {version}" for name, version in result.versions.items())
+
+
+def facts(result: SubmissionResult) -> dict[str, str]:
+    return {
+        "Isolation": isolation_text(result),
+        "Graded with": versions_text(result),
+        "Handed in": _digest(result.submission_digest),
+        "Assignment": f"{result.assignment} {_digest(result.assignment_digest)}".strip(),
+        "Took": f"{result.seconds:.1f} s" if result.seconds else "",
+    }
+
+
+def _digest(digest: str) -> str:
+    return f"SHA-256 {digest[:16]}" if digest else ""
+
+
+def spread(points: Sequence[float], counts: Sequence[int], most: float) -> str:
+    if not points:
+        return "no submission"
+    middle = number(round(statistics.median(points), 2))
+    return f"median {middle} of {number(most)}; all points: {counts[-1]}, none: {counts[0]}"

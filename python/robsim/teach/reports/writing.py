@@ -8,11 +8,9 @@ from os import PathLike
 
 from robsim.base.checks import Floats
 from robsim.base.files import as_folder, write_whole
-from robsim.teach.reports.class_page import class_page, tests_of
-from robsim.teach.reports.drawings import DrawnPath, floor_of
-from robsim.teach.reports.markup import Html
+from robsim.teach.reports.drawings import DrawnPath, Floor, floor_of
+from robsim.teach.reports.pages import class_page, student_page, tests_of
 from robsim.teach.reports.similarity import Program, similar_pairs
-from robsim.teach.reports.student_page import student_page
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
 from robsim.teach.reports.words import test_title
@@ -104,7 +102,7 @@ def _floors(
     paths: Paths,
     area: tuple[float, float],
     name: Callable[[str], str],
-) -> list[Html]:
+) -> list[Floor]:
     floors = []
     for test in tests_of(results):
         drawn = [
