@@ -31,7 +31,7 @@ HARMFUL = re.compile(
 ELEMENTS = """
     html head meta title style script body div header main section footer table caption
     thead tbody tr th td p b i a span h1 h2 h3 figure figcaption img pre code ul li details
-    summary dl dt dd button svg rect line text circle polyline g
+    summary dl dt dd button svg rect line text circle polyline g input label
 """
 ELEMENTS = {*ELEMENTS.split()}
 ATTRIBUTES = """

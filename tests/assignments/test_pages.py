@@ -159,10 +159,12 @@ def test_of_hidden_tests_there_are_points_and_a_sentence_alone():
 
 
 def test_a_bar_has_limits_runs_and_result_in_their_places_and_holds_any_number():
-    test = graded(scores=(score(statistic=3.2, values=(2.0,) * 10, reference=(2.0,) * 10),))
+    test = graded(
+        scores=(score(statistic=3.2, values=(2.0,) * 10, reference=(2.0,) * 10),), failed=()
+    )
     page = student_page(submission(tests=[test]), {})
     places = {
-        kind: [float(x) for x in re.findall(rf'class="{kind}" style="left:([\d.]+)%', page)]
+        kind: [float(x) for x in re.findall(rf'class="{kind}[^"]*" style="left:([\d.]+)%', page)]
         for kind in ("mark", "run", "tick")
     }
     full, none = places["tick"]
@@ -175,6 +177,41 @@ def test_a_bar_has_limits_runs_and_result_in_their_places_and_holds_any_number()
         places = [float(x) for x in re.findall(r"(?:left|width):(-?[\d.]+)%", page)]
         assert places
         assert all(0 <= place <= 100 for place in places)
+
+
+def test_a_dot_has_the_number_of_its_run_and_lies_where_its_run_alone_would_be():
+    lost = {"unit": "%", "share": 0.0, "limit": 1.25, "zero": 2.0, "statistic": 2.0}
+    scores = (score(), score("lost", values=(20.0,) * 8 + (60.0,), reference=(0.0,) * 9, **lost))
+    test = graded(scores=scores)  # run 7 has failed
+    page = student_page(submission(tests=[test]), {})
+    dots = re.findall(r'class="run[^"]*" style="left:([\d.]+)%" title="Run (\d)', page)
+    assert sorted(int(run) for _, run in dots) == sorted([*range(7), 8, 9] * 2)
+    (at_limit, *_), (*_, worst) = dots[9:], dots
+    full, none = re.findall(r'class="tick" style="left:([\d.]+)%', page)[2:]
+    assert at_limit[0] == full
+    assert float(worst[0]) > float(none)
+    assert worst[1] == "9"
+    assert "Run 9 is the worst, with 60 %" in Outline(page).text
+
+
+def test_of_a_score_that_loses_points_it_is_said_what_all_points_need():
+    odd = {"unit": "", "low": 0.5, "low_zero": 0.1, "statistic": 0.25}
+    lost = {"unit": "%", "share": 0.0, "values": (50.0,) * 9, "reference": (20.0,) * 9}
+    scores = (
+        score(statistic=1.5, limit=1.2),  # 1.5 times a geometric mean of 2.43 px
+        score("odd", **odd),
+        score("lost", **lost | {"statistic": 1.6, "limit": 1.25}),
+        score("met", statistic=1.0, values=(2.0,), reference=(2.0,), fraction=0.9),
+    )
+    result = submission(tests=[graded(scores=scores, failed=())])
+    for text in (*texts_of(result), reports.gradescope(result)["tests"][0]["output"]):
+        text = " ".join(text.split())
+        for wanted in ("20 % less: 2.92 px, instead of 3.65 px", "2 times as much", "within its"):
+            assert wanted in text
+        assert "64.0 % right ones, instead of 50.0 %" in text
+        assert text.count("All points need") == 3
+    fine = submission(tests=[graded(scores=(score(statistic=1.0, fraction=1.0),))])
+    assert all("All points need" not in text for text in texts_of(fine))
 
 
 def test_where_the_grader_failed_no_points_are_shown_and_what_is_not_done_is_said():
@@ -276,6 +313,10 @@ def student(tmp_path):
     return tmp_path / "index.html"
 
 
+def near(**changes):
+    return graded(failed=(), points=3.7, scores=(score(statistic=1.2),), **changes)
+
+
 @pytest.fixture
 def class_file(tmp_path):
     points = {"s10": 0.5, "s2": 4.0, "s1": 0.0, "<b>": 3.0}
@@ -283,6 +324,7 @@ def class_file(tmp_path):
         submission(name, [graded(points=each, status="passed" if each == 4 else "failed")])
         for name, each in points.items()
     ]
+    results.append(submission("s3", [near()]))
     programs = {name: reports.program_of({"state.py": PROGRAM.encode()}) for name in ("s1", "s2")}
     reports.write_class(tmp_path, results, programs=programs)
     return tmp_path / "class.html"
@@ -293,25 +335,51 @@ def test_pages_fit_a_narrow_screen_and_can_be_printed(open_page, student):
     tab = open_page(student, size=(320, 800))
     assert tab.evaluate("document.documentElement.scrollWidth") <= 320
     assert tab.evaluate("document.images[0].naturalWidth") == 900
+    printed = tab.locator("details pre")
+    assert printed.bounding_box()["height"] == 0
+    tab.emulate_media(media="print")
+    assert printed.bounding_box()["height"] > 0
     assert tab.pdf().startswith(b"%PDF")
 
 
 def names(tab):
-    return tab.locator("table.sortable tbody th").all_text_contents()
+    return tab.locator("table.sortable tbody th:visible").all_text_contents()
+
+
+@pytest.mark.long
+def test_submissions_just_below_the_limit_can_be_shown_alone(open_page, class_file):
+    tab = open_page(class_file)
+    box = tab.get_by_label("just below the limit")
+    box.check()
+    assert names(tab) == ["s3"]
+    box.uncheck()
+    assert len(names(tab)) == 5
+    assert tab.locator("td", has_text="≈").count() == 1
+
+
+def test_just_below_the_limit_is_a_matter_of_scores_alone():
+    partly = graded(failed=(), points=3.9, scores=(score(statistic=1.2), score(statistic=1.3)))
+    failed = graded(scores=(score(statistic=1.2),))
+    far = (partly, failed, hidden(scores=(), failed=()))
+    met = graded(failed=(), points=4.0, scores=(score(statistic=1.1),))
+    assert "≈" not in class_page([submission(tests=[test]) for test in (*far, met)])
+    low = score(statistic=0.46, low=0.5, low_zero=0.1)
+    for test in (near(), near(public=False), graded(failed=(), points=0.0, scores=(low,))):
+        assert "≈" in class_page([submission(tests=[test])])
 
 
 @pytest.mark.long
 def test_the_table_is_sorted_by_the_heading_that_is_pressed(open_page, class_file):
     tab = open_page(class_file)
-    assert names(tab) == ["<b>", "s1", "s10", "s2"]
+    assert names(tab) == ["<b>", "s1", "s10", "s2", "s3"]
     points = tab.locator("table.sortable th button", has_text="Points")
     points.click()
-    assert names(tab) == ["s2", "<b>", "s10", "s1"]
+    assert names(tab) == ["s2", "s3", "<b>", "s10", "s1"]
     points.click()
-    assert names(tab) == ["s1", "s10", "<b>", "s2"]
+    assert names(tab) == ["s1", "s10", "<b>", "s3", "s2"]
     assert tab.locator("th[aria-sort]").all_text_contents() == ["Points"]
     tab.locator("table.sortable th button", has_text="Submission").press("Enter")
-    assert names(tab)[-3:] == ["s1", "s2", "s10"]
+    assert names(tab)[-4:] == ["s1", "s2", "s3", "s10"]
     # Similar programs stand side by side.
     tab.locator("summary", has_text="s1 and s2").click()
     left, right = tab.locator("details .pair pre").all()

@@ -2,7 +2,7 @@
 
 from html.parser import HTMLParser
 
-_VOID = {"img", "meta", "br"}
+_VOID = {"img", "meta", "br", "input"}
 
 
 class Outline(HTMLParser):

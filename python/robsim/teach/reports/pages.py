@@ -11,14 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
+from robsim.base.checks import Floats
 from robsim.teach.reports import words
-from robsim.teach.reports.drawings import Floor, counts_of, scale_of, shade
+from robsim.teach.reports.drawings import counts_of, floor_of, scale_of, shade
 from robsim.teach.reports.similarity import SimilarPair
-from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, TestResult, fraction_of, number
+from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, fraction_of, number
 from robsim.teach.texts import clean_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
+#: The best run of a student in a test, (N, 2), in px of the work area.
+Paths = Mapping[str, Mapping[str, Floats]]
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -38,6 +42,7 @@ def _environment() -> Environment:
     functions = (counts_of, data_uri, fraction_of, number, scale_of, shade)
     environment.globals |= {function.__name__: function for function in functions}
     environment.globals |= {"words": words, "mean": statistics.fmean, "median": statistics.median}
+    environment.filters["test_title"] = words.test_title
     return environment
 
 
@@ -81,45 +86,39 @@ def student_page(
 def class_page(
     results: Sequence[SubmissionResult],
     *,
-    floors: Sequence[Floor] = (),
+    paths: Paths | None = None,
+    area: tuple[float, float] = (1200.0, 1200.0),
     pairs: Sequence[SimilarPair] | None = None,
     links: Mapping[str, str] | None = None,
 ) -> str:
     """Return the page as HTML.
 
-    `floors` have the best paths, `links` the pages of students, relative to this page. Without a
-    comparison of programs `pairs` is None.
+    `paths` lie on the floor `area`. `links` lead to the pages of students, relative to this page.
+    Without a comparison of programs `pairs` is None.
     """
+    tests = {test.name: test for result in results[::-1] for test in result.tests}
+    columns = []
+    for name, test in tests.items():
+        of = {r.student: one for r in results for one in r.tests if one.name == name}
+        graded = {who: one for who, one in of.items() if one.status not in (ERROR, NOT_RUN)}
+        short = [who for who, one in graded.items() if one.points < one.most]
+        columns.append(
+            {
+                "test": test,
+                "of": of,
+                "graded": graded,
+                "short": sorted(short, key=lambda who: (graded[who].points, who)),
+                "floor": floor_of((paths or {}).get(name, {}), of, area),
+            }
+        )
     return _page(
         "class.html",
         "class.js",
         results=results,
-        columns=[_column(results, test) for test in tests_of(results)],
+        columns=columns,
+        area=area,
+        near={r.student for r in results if any(map(words.is_near, r.tests))},
         isolations=sorted({words.isolation_text(each) for each in results} - {""}),
-        floors=floors,
         pairs=pairs,
         links={name: quote(link, errors="surrogatepass") for name, link in (links or {}).items()},
     )
-
-
-def tests_of(results: Sequence[SubmissionResult]) -> list[TestResult]:
-    tests: dict[str, TestResult] = {}
-    for result in results:
-        for test in result.tests:
-            tests.setdefault(test.name, test)
-    return list(tests.values())
-
-
-def _column(results: Sequence[SubmissionResult], test: TestResult) -> dict[str, Any]:
-    """Return what the class has of a test."""
-    all_of_it = {r.student: each for r in results for each in r.tests if each.name == test.name}
-    graded = {k: each for k, each in all_of_it.items() if each.status not in (ERROR, NOT_RUN)}
-    short = [(student, one.points) for student, one in graded.items() if one.points < one.most]
-    return {
-        "test": test,
-        "title": words.test_title(test),
-        "of": all_of_it,
-        "graded": graded,
-        "short": sorted(short, key=lambda one: (one[1], one[0])),
-        "failed": sum(len(each.failed) for each in all_of_it.values()),
-    }

@@ -7,6 +7,7 @@ import re
 import shlex
 import statistics
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from robsim.base.report import percent
 from robsim.teach.results import (
@@ -96,7 +97,90 @@ def score_text(score: ScoreResult) -> str:
 
 
 def score_line(score: ScoreResult, most: float) -> str:
-    return f"{score.title}: {score_text(score)}: {points_text(score, most)}"
+    line = f"{score.title}: {score_text(score)}: {points_text(score, most)}"
+    return f"{line}. {needed(score)}".removesuffix(". ")
+
+
+def needed(score: ScoreResult) -> str:
+    """Return what all points need; "" = they are there, or no run came through."""
+    if not (math.isfinite(score.statistic) and score.statistic > 0):
+        return ""
+    if score.is_met:
+        met = "It is within its limits: points are lost by the score that multiplies it."
+        return met if score.fraction < 1 else ""
+    if score.low is not None and score.statistic < score.low:
+        return f"All points need {_ratio(score.low / score.statistic)} times as much."
+    part = score.limit / score.statistic
+    own = _typical(score.values)
+    if not score.share:
+        right = _right(statistics.fmean(score.values)) if score.values else math.nan
+        if not 0 < right <= 1:
+            return ""
+        return f"All points need {percent(right / part)} right ones, instead of {percent(right)}."
+    less = f"All points need {percent(1 - part, 0)} less"
+    reference = score.statistic * _typical(score.reference)
+    if not score.unit or score.low is not None or not math.isclose(own, reference, rel_tol=1e-3):
+        return f"{less}."
+    means = f"{own * part:.3g} {score.unit}, instead of {own:.3g} {score.unit}"
+    return f"{less}: {means} in the geometric mean of the runs."
+
+
+def _typical(values: Sequence[float]) -> float:
+    """Return the geometric mean; NaN if a value has no logarithm."""
+    is_known = values and all(0 < value < math.inf for value in values)
+    return statistics.geometric_mean(values) if is_known else math.nan
+
+
+def _right(lost: float) -> float:
+    """Return the share of right ones from the percentage of lost ones."""
+    return max(1 - lost / 100, 1e-3)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run that came through; its place is on the axis of the statistic."""
+
+    place: float
+    number: int
+    text: str
+
+
+def runs_of(score: ScoreResult, test: TestResult) -> list[Run]:
+    """Return the runs of a test that came through, the worst run last."""
+    failed = {run.run for run in test.failed}
+    through = [run for run in range(test.runs) if run not in failed]
+    runs = []
+    for run, value, reference in zip(through, score.values, score.reference, strict=False):
+        place, said = value, f"{value:.3g} {score.unit}".rstrip()
+        if not score.share:
+            place = _right(reference) / _right(value)
+        elif score.low is None:
+            place = value / reference if reference else math.nan
+            said += f", {_ratio(place)} times the reference"
+        if math.isfinite(place):
+            runs.append(Run(place, run, said))
+    return sorted(runs, key=lambda run: _excess(score, run.place))
+
+
+def _excess(score: ScoreResult, statistic: float) -> float:
+    """Return a statistic relative to the limit of all points: above 1 it loses points."""
+    too_small = 0.0
+    if score.low is not None:
+        too_small = score.low / statistic if statistic > 0 else math.inf
+    return max(statistic / score.limit, too_small)
+
+
+_NEAR = 1.1
+JUST_BELOW = (
+    f"Just below the limit (≈): a test loses points, no score is more than {percent(_NEAR - 1, 0)} "
+    "beyond its limit, and no run failed."
+)
+
+
+def is_near(test: TestResult) -> bool:
+    """Return whether a test is just below the limit of all points."""
+    lost = [_excess(score, score.statistic) for score in test.scores if not score.is_met]
+    return bool(lost) and not test.failed and all(excess <= _NEAR for excess in lost)
 
 
 def points_text(score: ScoreResult, most: float) -> str:
@@ -113,7 +197,7 @@ def _came_to(score: ScoreResult) -> str:
         return f"{_ratio(score.statistic)}, where 1 is right"
     if not score.share:
         return f"the reference has {_ratio(score.statistic)} times as many right ones"
-    return f"{_ratio(score.statistic)} times that of the reference"
+    return f"{_ratio(score.statistic)} times the reference"
 
 
 def _limits(score: ScoreResult) -> str:

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 
-from robsim.base.checks import Floats
 from robsim.base.files import as_folder, write_whole
-from robsim.teach.reports.drawings import DrawnPath, Floor, floor_of
-from robsim.teach.reports.pages import class_page, student_page, tests_of
+from robsim.teach.reports.pages import Paths, class_page, student_page
 from robsim.teach.reports.similarity import Program, similar_pairs
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
-from robsim.teach.reports.words import test_title
 from robsim.teach.results import SubmissionResult
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
 CLASS, MARKS = "class.html", "class.csv"
-
-#: The best run of a student in a test, (N, 2), in px of the work area.
-Paths = Mapping[str, Mapping[str, Floats]]
 
 
 def folder_name(student: str) -> str:
@@ -81,40 +75,23 @@ def write_class(
     if not shown:
         raise ValueError("results must have at least one result of a submission")
     pairs = None if programs is None else similar_pairs(programs, given)
-    links: dict[str, str] = {r.student: f"{folder_name(r.student)}/{TEACHERS}" for r in shown}
-    floors = _floors(shown, paths or {}, area, pseudonym or str)
+    links = {r.student: f"{folder_name(r.student)}/{TEACHERS}" for r in shown}
     if pseudonym is not None:
         shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)
         pairs = pairs and [
             replace(one, first=pseudonym(one.first), second=pseudonym(one.second), passages=())
             for one in pairs
         ]
+        paths = {
+            test: {pseudonym(who): path for who, path in drawn.items() if who in links}
+            for test, drawn in (paths or {}).items()
+        }
         links = {}
     table = marks_table(shown, columns=columns, title=title)
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / MARKS, _utf8(table))
-    content = class_page(shown, floors=floors, pairs=pairs, links=links)
+    content = class_page(shown, paths=paths, area=area, pairs=pairs, links=links)
     write_whole(folder / CLASS, _utf8(content))
-
-
-def _floors(
-    results: Sequence[SubmissionResult],
-    paths: Paths,
-    area: tuple[float, float],
-    name: Callable[[str], str],
-) -> list[Floor]:
-    floors = []
-    for test in tests_of(results):
-        drawn = [
-            DrawnPath(name(result.student), path, each.points)
-            for result in results
-            for each in result.tests
-            if each.name == test.name
-            and (path := paths.get(test.name, {}).get(result.student)) is not None
-        ]
-        if drawn:
-            floors.append(floor_of(test_title(test), drawn, area, test.most))
-    return floors
 
 
 def _utf8(text: str) -> bytes:
