@@ -13,7 +13,7 @@ import pytest
 import graded
 import robsim
 from graded import layer
-from robsim.teach import IsolationError, check_isolation
+from robsim.teach import IsolationError, check_isolation, isolation
 
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="layers are for Linux")
 as_root = pytest.mark.skipif(
@@ -24,8 +24,8 @@ as_root = pytest.mark.skipif(
 # --- attacks
 
 
-CALLS, FILES, USER, PIDS, NETWORK = ALL = (
-    *(layer.CALLS, layer.FILES, layer.USER, layer.PIDS, layer.NETWORK),
+CALLS, FILES, MOUNTS, USER, PIDS, NETWORK = ALL = (
+    *(layer.CALLS, layer.FILES, layer.MOUNTS, layer.USER, layer.PIDS, layer.NETWORK),
 )
 
 
@@ -94,6 +94,7 @@ BY_CALLS = {
     "message queue": "call(240, b'/robsim', 0o102, 0o600, 0)",
     "new user": "call(272, 0x10000000)",
     "mount": "call(165, 0, b'/', 0, 0, 0)",
+    "watch of names": "call(294, 0)",
     "io_uring": "call(425, 8, b'\\0' * 120)",
     "bpf": "call(321, 0, b'\\0' * 72, 72)",
     "perf": "call(298, b'\\0' * 128, 0, -1, -1, 0)",
@@ -196,6 +197,63 @@ def test_files_are_closed(tried, without, tmp_path):
     assert os.listdir(tmp_path) == ["truth.txt"]
 
 
+# Prints what it finds of a folder of the grader's, of processes, and of other workers.
+LOOK = """
+import ctypes, json, os
+def tried(act, *what):
+    try: return act(*what)
+    except OSError as error: return type(error).__name__
+def watch(folder):
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.inotify_add_watch(libc.inotify_init1(0), folder.encode(), 0x100) < 0:
+        raise OSError(ctypes.get_errno(), "")
+open("mine", "w").write(open(os.devnull).read())
+home, above = os.getcwd(), os.path.dirname(os.getcwd())
+print(json.dumps({
+    "folder": [tried(act, FOLDER) for act in (os.stat, os.listdir, watch)],
+    "processes": sorted(os.listdir("/proc")),
+    "writes": [tried(os.mkdir, folder) for folder in ("/new", above + "/new", JSON + "/new")],
+    "workers": [os.listdir(home), [name for name in os.listdir(above) if name[:7] == "robsim-"]],
+    "home": home,
+}))
+"""
+
+
+@on_linux
+def test_there_are_no_names_but_those_that_are_granted(worker, tried, tmp_path):
+    tmp_path.chmod(0o777)
+    alone = only(MOUNTS, NETWORK)  # who is not root gets both by one call
+    known = f"FOLDER, JSON = {str(tmp_path)!r}, {str(Path(json.__file__).parent)!r}"
+    with worker("open('theirs', 'w'); channel.sendall(b'x'); channel.recv(1)") as (_, other):
+        other.recv(1)
+        layers, output = tried(known + LOOK, without=alone)
+    assert "robsim-grading" not in Path("/proc/self/mountinfo").read_text()
+    if not layers.holds(MOUNTS):
+        pytest.skip(layers[MOUNTS].text)
+    found = json.loads(output)
+    assert found["folder"] == ["FileNotFoundError"] * 3
+    assert found["processes"] == ["cpuinfo", "meminfo"]
+    assert found["writes"] == ["OSError"] * 3  # on mounts for reading
+    assert found["workers"] == [["mine"], [os.path.basename(found["home"])]]
+
+
+@on_linux
+def test_a_package_behind_links_is_found(tmp_path):
+    package = tmp_path / "real" / "behind_links"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text(
+        "def run(channel, memory):\n from behind_links.late import word\n channel.sendall(word)"
+    )
+    (package / "late.py").write_text("word = b'found'")
+    (tmp_path / "link").symlink_to("real")
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        options = {"entry": "behind_links:run", "modules": (), "path": (str(tmp_path / "link"),)}
+        with isolation.start_worker(channel=theirs, **options) as started:
+            assert started.wait(300).exited, started.output
+        assert ours.recv(9, socket.MSG_DONTWAIT) == b"found"
+
+
 @on_linux
 def test_what_is_hidden_cannot_be_read(tried):
     package = Path(robsim.__file__).parent
@@ -268,6 +326,7 @@ def test_the_check_tries_all_and_says_what_held():
             "change a file",
             "write outside its folder",
             "read what is hidden",
+            "watch a folder",
         },
         "processes": {"signal the grader"},
         "network": {"connect", "send a packet"},
@@ -277,6 +336,9 @@ def test_the_check_tries_all_and_says_what_held():
     for what, names in tried.items():
         assert all(report.attempts[name][0] for name in names) or not report.closed[what]
     assert report.attempts["copy the grader's memory"][0]
+    has_mounts = (MOUNTS, True) in [layer[:2] for layer in report.layers]
+    assert ("find a file" in report.attempts) == has_mounts
+    assert report.attempts.get("find a file", [True])[0]
     assert bool(report) == report.strict == (report.verdict == "closed")
     bare = check_isolation(isolation="process")
     assert not bare
@@ -346,7 +408,7 @@ def test_what_holds_without_the_right_to_administer(rights):
     assert run.returncode == 0, run.stderr
     layers, attempts, closed = json.loads(run.stdout.splitlines()[-1])
     held = {name for name, holds, _ in layers if holds}
-    assert not held & {"own network", "own process numbers"}
+    assert not held & {"own mounts", "own network", "own process numbers"}
     if not rights:
         assert "user" not in held
     if {"files", "system calls"} <= held:

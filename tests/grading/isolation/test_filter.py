@@ -33,7 +33,8 @@ setgroups capset keyctl add_key request_key personality setrlimit setpriority io
 sched_setaffinity sched_setscheduler sched_setparam sched_setattr unshare setns mount
 umount2 pivot_root chroot mount_setattr move_mount open_tree open_tree_attr fsopen fsconfig
 fsmount fspick statmount listmount name_to_handle_at open_by_handle_at sethostname
-setdomainname quotactl quotactl_fd fanotify_init fanotify_mark bpf perf_event_open
+setdomainname quotactl quotactl_fd fanotify_init fanotify_mark inotify_init inotify_init1
+inotify_add_watch inotify_rm_watch bpf perf_event_open
 io_uring_setup io_uring_enter io_uring_register init_module finit_module delete_module
 kexec_load kexec_file_load reboot swapon swapoff acct syslog iopl ioperm modify_ldt
 lookup_dcookie settimeofday clock_settime adjtimex clock_adjtime vhangup nfsservctl uselib

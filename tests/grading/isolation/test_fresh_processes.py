@@ -44,7 +44,7 @@ def test_a_fresh_worker_is_ended_with_what_is_in_its_group(worker):
 def test_what_is_missing_is_said(worker):
     report = check_isolation()
     assert not report
-    missing = "user, files, system calls, own process numbers, own network"
+    missing = "own mounts, user, files, system calls, own process numbers, own network"
     assert f"not: {missing}" in report.isolation_line
     assert not report.certain_end
     with (

@@ -141,6 +141,12 @@ def test_a_grader_may_have_many_files_open(ended):
 
 CALLS, FILES, PIDS, USER = layer.CALLS, layer.FILES, layer.PIDS, layer.USER
 
+
+def is_gone(scratch):
+    """With own mounts, a worker's folder has the name of the one that all of them lie in."""
+    return not os.path.exists(scratch) or not os.listdir(scratch)
+
+
 # Layers that are left out, so that each of the others has to hold alone. With all that is left out
 # in the last, processes of the worker are found by whose children they were.
 WITHOUT = {
@@ -238,10 +244,10 @@ print(os.getcwd())
     ending, output = ended(source, without=without)
     assert ending.text.endswith("(exit code 0)"), output
     *left, scratch = output.splitlines()
-    assert not os.path.exists(scratch)
+    assert is_gone(scratch)
     assert os.path.isdir("/etc")
     mine = f"left-by-a-worker-{os.getpid()}"
-    if FILES in without:  # nothing but Landlock closes the folders that are open to all
+    if FILES in without:  # where there are no mounts either, these folders are open to all
         for line in left:
             os.remove(os.path.join(line.removeprefix("left in "), mine))
     else:
@@ -260,7 +266,7 @@ open("file", "w").close(); os.mkdir("e"); os.mkdir("f")
 time.sleep(600 if {stays} else 0)
 """
     ending, output = ended(source, folder_size=1 << 30)
-    assert not os.path.exists(output.strip())
+    assert is_gone(output.strip())
     assert not ending.left
     if stays:
         assert ending.text == "its process wrote more than 1 GiB of files, or folders too deep"

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-_PTRACE_SEIZE, _PTRACE_DETACH = 0x4206, 17
+_PTRACE_SEIZE, _PTRACE_DETACH, _IN_CREATE = 0x4206, 17, 0x100
 
 
 def run(channel: socket.socket, memory: tuple[int, ...]) -> None:
@@ -35,6 +35,17 @@ def _read_file(target: dict[str, Any]) -> str:
 def _read_hidden(target: dict[str, Any]) -> str:
     with open(target["hidden"], "rb") as file:
         return f"read {len(file.read())} bytes of a hidden file"
+
+
+def _find_file(target: dict[str, Any]) -> str:
+    return f"found a file of the grader's, of {os.stat(target['file']).st_size} bytes"
+
+
+def _watch_folder(target: dict[str, Any]) -> str:
+    libc = ctypes.CDLL(None, use_errno=True)
+    watch, folder = _checked(libc.inotify_init1(0)), os.fsencode(target["folder"])
+    _checked(libc.inotify_add_watch(watch, folder, _IN_CREATE))
+    return "watches names in a folder of the grader's"
 
 
 def _change_file(target: dict[str, Any]) -> str:
@@ -130,6 +141,8 @@ if sys.platform != "win32":
     ATTEMPTS |= {"start a process": _fork, "run a program": _execute, "signal the grader": _signal}
 if sys.platform == "linux":
     ATTEMPTS |= {
+        "find a file": _find_file,
+        "watch a folder": _watch_folder,
         "open the grader's memory": _read_memory,
         "copy the grader's memory": _copy_memory,
         "trace the grader": _trace,

@@ -16,6 +16,7 @@ from typing import Any
 
 from robsim.base.report import Quantity, Report
 from robsim.teach.errors import GraderError
+from robsim.teach.isolation._layers.layer import MOUNTS
 from robsim.teach.isolation.limits import Isolation
 from robsim.teach.isolation.start import start_worker
 
@@ -26,8 +27,8 @@ _PATIENCE = 30.0  # s
 NOT_PROTECTED = (
     "Faults of the kernel and of the processor (side channels) are not covered: for code of "
     "strangers use a machine or a container that holds nothing else.",
-    "A submission may find out that files exist, and use processor time and memory up to its "
-    "limits, so that what runs beside it is slower.",
+    "A submission may find out that files exist, unless it has own mounts, and use processor time "
+    "and memory up to its limits, so that what runs beside it is slower.",
     "What the assignment lets through is not isolation's matter: a submission sees its frames, its "
     "own code, Python, and every installed package that is not hidden.",
 )
@@ -139,6 +140,8 @@ def check_isolation(*, isolation: Isolation = "auto") -> IsolationReport:
                 said = worker.output.strip()[-500:]
                 raise GraderError(f"the trial worker gave no answer: {worker.wait().text} {said}")
         layers = worker.layers
+        if not layers.holds(MOUNTS):  # no other layer closes names
+            attempts.pop("find a file", None)
         return IsolationReport(
             isolation=isolation,
             layers=tuple((layer.name, layer.holds, layer.text) for layer in layers.layers),

@@ -13,8 +13,9 @@ from contextlib import suppress
 
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_KEEPCAPS = 1, 4, 8
 PR_SET_SECCOMP, PR_CAPBSET_DROP, PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 22, 24, 36, 38
-_PR_CAP_AMBIENT, _CLEAR_ALL = 47, 4
-CLONE_NEWIPC, CLONE_NEWUSER, CLONE_NEWPID, CLONE_NEWNET = 1 << 27, 1 << 28, 1 << 29, 1 << 30
+_PR_CAP_AMBIENT, _CLEAR_ALL, _MNT_DETACH = 47, 4, 2
+CLONE_NEWNS, CLONE_NEWIPC, CLONE_NEWUSER = 1 << 17, 1 << 27, 1 << 28
+CLONE_NEWPID, CLONE_NEWNET = 1 << 29, 1 << 30
 CAP_DAC_READ_SEARCH = 2
 _LAST_CAPABILITY = 63
 _CAPABILITY_VERSION_3 = 0x20080522
@@ -39,6 +40,17 @@ def unshare(flags: int) -> None:
 
 def setns(descriptor: int, kind: int) -> None:
     _checked(_libc.setns(ctypes.c_int(descriptor), ctypes.c_int(kind)))
+
+
+def mount(source: str, target: str, flags: int, *, kind: str = "") -> None:
+    names = map(os.fsencode, (source, target, kind))
+    _checked(_libc.mount(*names, ctypes.c_ulong(flags), None))
+
+
+def change_root(new: str) -> None:
+    os.chdir(new)
+    _checked(_libc.pivot_root(b".", b"."))
+    _checked(_libc.umount2(b".", ctypes.c_int(_MNT_DETACH)))
 
 
 def drop_capabilities(keep: int | None = None) -> None:
@@ -120,7 +132,8 @@ DENIED: dict[str, tuple[int | None, int | None]] = {
     "statmount": (457, 457), "listmount": (458, 458), "name_to_handle_at": (303, 264),
     "open_by_handle_at": (304, 265), "sethostname": (170, 161), "setdomainname": (171, 162),
     "quotactl": (179, 60), "quotactl_fd": (443, 443), "fanotify_init": (300, 262),
-    "fanotify_mark": (301, 263),
+    "fanotify_mark": (301, 263), "inotify_init": (253, None), "inotify_init1": (294, 26),
+    "inotify_add_watch": (254, 27), "inotify_rm_watch": (255, 28),
     # the kernel
     "bpf": (321, 280), "perf_event_open": (298, 241), "io_uring_setup": (425, 425),
     "io_uring_enter": (426, 426), "io_uring_register": (427, 427), "init_module": (175, 105),

@@ -27,7 +27,7 @@ class Layer:
         return f"{self.name} ({self.text})" if self.holds and self.text else self.name
 
 
-PROCESS, LIMITS, USER, MEMORY = "process", "limits", "user", "memory"
+PROCESS, LIMITS, MOUNTS, USER, MEMORY = "process", "limits", "own mounts", "user", "memory"
 FILES, CALLS, PIDS, NETWORK = "files", "system calls", "own process numbers", "own network"
 
 
@@ -41,7 +41,7 @@ def attempt(name: str, act: Callable[[], str]) -> Layer:
 
 def missing_layers(system: str) -> list[Layer]:
     reason = f"robsim knows no way on {system}"
-    return [Layer(n, False, reason) for n in (USER, MEMORY, FILES, CALLS, PIDS, NETWORK)]
+    return [Layer(n, False, reason) for n in (MOUNTS, USER, MEMORY, FILES, CALLS, PIDS, NETWORK)]
 
 
 @dataclass(frozen=True)

@@ -59,8 +59,8 @@ PROCESSORS = {
 }
 
 
-def restrict() -> None:
-    """Let this process, and all its later threads, make only the allowed calls.
+def restrict() -> str:
+    """Let this process, and all its later threads, make only the allowed calls; say by what.
 
     Raise OSError for an unknown processor, or if the kernel refuses.
     """
@@ -74,6 +74,7 @@ def restrict() -> None:
     pointer = ctypes.create_string_buffer(header)
     prctl(PR_SET_NO_NEW_PRIVS, 1)
     prctl(PR_SET_SECCOMP, _FILTER, ctypes.addressof(pointer))
+    return "seccomp"
 
 
 def program_for(processor: Processor, process: int) -> list[Instruction]:

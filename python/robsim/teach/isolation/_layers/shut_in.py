@@ -12,7 +12,7 @@ import sysconfig
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from robsim.teach.isolation._layers import calls, landlock, seccomp, users
+from robsim.teach.isolation._layers import calls, landlock, layer, mounts, seccomp, users
 from robsim.teach.isolation._layers.layer import CALLS, FILES, MEMORY, USER, Layer, attempt
 from robsim.teach.isolation._layers.limits import limit
 from robsim.teach.isolation.limits import Request
@@ -26,19 +26,19 @@ _SYSTEM = (
 )
 
 
-def shut_in(request: Request, grants: Sequence[landlock.Grant]) -> list[Layer]:
-    """Shut this process in: limits, user, memory, files, system calls. Return what held."""
-    layers = [
-        limit(request.limits, own_user=request.shut and bool(way_to(request.user, request)[0]))
-    ]
+def shut_in(request: Request, grants: Sequence[landlock.Grant], view: int) -> list[Layer]:
+    """Shut this process in: limits, mounts, user, memory, files, calls. Return what held."""
+    way, reason = way_to(request.user, request)  # needs /proc
+    layers = [limit(request.limits, own_user=request.shut and bool(way))]
     if request.shut:
-        layers.append(_change_user(request))
+        layers.append(_made(layer.MOUNTS, request, lambda: mounts.enter(view)))
+        layers.append(_change_user(request.user, way, reason))
         layers.append(attempt(MEMORY, _close_memory))
         calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of user has cleared it
         layers.append(_made(FILES, request, lambda: f"Landlock {_keep_to(grants)}"))
         for descriptor, _ in grants:
             os.close(descriptor)
-        layers.append(_made(CALLS, request, _refuse_calls))
+        layers.append(_made(CALLS, request, seccomp.restrict))
     else:
         calls.drop_capabilities()
         calls.prctl(calls.PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -73,11 +73,6 @@ def _keep_to(grants: Sequence[landlock.Grant]) -> int:
             os.close(descriptor)
 
 
-def _refuse_calls() -> str:
-    seccomp.restrict()
-    return "seccomp"
-
-
 def way_to(user: int | None, request: Request) -> tuple[str, str]:
     """Return how a process of root becomes a user, and, where there is no way, why not.
 
@@ -96,17 +91,16 @@ def way_to(user: int | None, request: Request) -> tuple[str, str]:
     return "", f"others cannot read {closed[0]}"
 
 
-def _change_user(request: Request) -> Layer:
-    way, reason = way_to(request.user, request)
+def _change_user(user: int | None, way: str, reason: str) -> Layer:
     reader = calls.CAP_DAC_READ_SEARCH if way == "as a reader" else None
     try:
-        if way and request.user is not None:
+        if way and user is not None:
             calls.prctl(calls.PR_SET_KEEPCAPS, int(reader is not None))
-            users.become(request.user)
+            users.become(user)
     except OSError as error:
         way, reason = "", error.strerror or str(error)
     calls.drop_capabilities(keep=reader if way else None)
-    return Layer(USER, bool(way), reason or str(request.user))
+    return Layer(USER, bool(way), reason or str(user))
 
 
 def _close_memory() -> str:

@@ -26,23 +26,26 @@ Grants = Sequence[tuple[int, int]]
 def become_worker(
     request: Request,
     descriptors: Sequence[int],
-    *,
     scratch: str,
+    *,
     grants: Grants = (),
+    view: int = -1,
     alive: int | None = None,
     made: Sequence[Layer] = (),
 ) -> NoReturn:
     """Turn this process into a worker, which reads `grants` in the folder `scratch`; never return.
 
-    The descriptors are its channel, output, report and memory. The pipe `alive` ends with the
-    parent. The layers `made` exist already.
+    The descriptors are its channel, output, report and memory. It sees the mounts of `view`. The
+    pipe `alive` ends with the parent. The layers `made` exist already.
     """
     code = NOT_SHUT_IN
     try:
         channel, output, life, *memory = descriptors
-        _be_alone(output, [channel, life, *memory, *(g[0] for g in grants)], scratch, alive)
+        _be_alone(output, [channel, life, view, *memory, *(g[0] for g in grants)], scratch, alive)
         with socket.socket(fileno=life) as report:
-            layers = Layers((Layer(PROCESS, True, ""), *made, *_shut_in(request, grants, alive)))
+            shut = _shut_in(request, grants, view, alive)
+            settle(os.getcwd())
+            layers = Layers((Layer(PROCESS, True, ""), *made, *shut))
             tell(layers, report)
         with socket.socket(fileno=channel) as connection:
             code = work(request, layers, connection, memory)
@@ -66,7 +69,7 @@ def _be_alone(output: int, keep: Sequence[int], scratch: str, alive: int | None)
     os.dup2(output, 1)
     os.dup2(output, 2)
     _close_all_but({0, 1, 2, *keep})
-    settle(scratch)
+    os.chdir(scratch)
 
 
 def _close_all_but(keep: set[int]) -> None:
@@ -79,13 +82,13 @@ def _close_all_but(keep: set[int]) -> None:
             os.close(number)
 
 
-def _shut_in(request: Request, grants: Grants, alive: int | None) -> list[Layer]:
+def _shut_in(request: Request, grants: Grants, view: int, alive: int | None) -> list[Layer]:
     if request.isolation == "none":
         return []
     if sys.platform == "linux" and alive is not None:  # there is a zygote
         from robsim.teach.isolation._layers.shut_in import shut_in
 
-        return shut_in(request, grants)
+        return shut_in(request, grants, view)
     from robsim.teach.isolation._layers.limits import shut_in_elsewhere
 
     return shut_in_elsewhere(request)

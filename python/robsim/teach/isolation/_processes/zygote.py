@@ -28,6 +28,7 @@ from typing import Any
 
 from robsim.teach.isolation._layers import calls, landlock, users
 from robsim.teach.isolation._layers.layer import PIDS, Layer
+from robsim.teach.isolation._layers.mounts import open_view
 from robsim.teach.isolation._layers.namespaces import be_first, leave_network, own_pids
 from robsim.teach.isolation._layers.shut_in import readable_trees, way_to
 from robsim.teach.isolation._processes import scratch
@@ -57,11 +58,11 @@ class _Child:
 class Zygote:
     """The loop that forks workers, ends them, and tells how they ended."""
 
-    def __init__(self, control: socket.socket, *, base: str, made: list[Layer], shut: bool) -> None:
+    def __init__(self, control: socket.socket, *, base: str, made: list[Layer], view: int) -> None:
         self._control = control
         self._base = base
         self._made = made
-        self._shut = shut
+        self._view = view
         self._children: dict[int, _Child] = {}
         self._cleaners: dict[int, _Child] = {}
         self._grants: dict[tuple[str, ...], list[landlock.Grant]] = {}
@@ -156,9 +157,9 @@ class Zygote:
         process = os.fork()
         if process == 0:
             os.close(self._alive[1])
-            alive = self._alive[0]
+            view, alive = self._view, self._alive[0]
             become_worker(
-                request, descriptors, scratch=folder, grants=grants, alive=alive, made=made
+                request, descriptors, folder, grants=grants, view=view, alive=alive, made=made
             )
         return process
 
@@ -269,8 +270,9 @@ def _prepared(control: socket.socket, setup: dict[str, object]) -> Zygote:
         importlib.import_module(module)
     if (threads := len(os.listdir("/proc/self/task"))) > 1:
         raise RuntimeError(f"{', '.join(modules)} start {threads - 1} threads when imported")
+    view = open_view(readable_trees(list(sys.modules)), base) if shut else -1
     if shut:
         calls.prctl(calls.PR_SET_DUMPABLE, 0)
     gc.collect()
     gc.freeze()
-    return Zygote(control, base=base, made=made, shut=shut)
+    return Zygote(control, base=base, made=made, view=view)

@@ -1,0 +1,68 @@
+"""Own mounts: a worker finds the names of the files that it is granted, and no others."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from robsim.teach.isolation._layers import calls
+
+assert sys.platform == "linux"
+
+_BIND, _WITH_INNER, _PRIVATE = 1 << 12, 1 << 14, 1 << 18
+_MOUNT_SETATTR, _AT_RECURSIVE = 442, 0x8000
+
+
+def open_view(trees: Sequence[Path], base: str) -> int:
+    """Return a mount namespace with trees, for reading, and a folder, alone; -1 = none."""
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        child = os.fork()  # no failure there changes the mounts of this process
+        if child == 0:
+            try:
+                socket.send_fds(theirs, [b"."], [_view(trees, os.path.realpath(base))])
+            finally:
+                os._exit(0)
+        os.waitpid(child, 0)
+        theirs.close()
+        _, descriptors, *_ = socket.recv_fds(ours, 1, 1)
+    return descriptors[0] if descriptors else -1
+
+
+def _view(trees: Sequence[Path], base: str) -> int:
+    os.umask(0o022)
+    calls.unshare(calls.CLONE_NEWNS)
+    view = os.open("/proc/self/ns/mnt", os.O_RDONLY | os.O_CLOEXEC)
+    calls.mount("", "/", _PRIVATE | _WITH_INNER)
+    os.chdir(base)  # so that it is the current folder when the root covers it
+    calls.mount("tmpfs", base, 0, kind="tmpfs")
+    names = {*trees, *(tree.resolve() for tree in trees), Path(os.devnull)}
+    for name in names:
+        if not names.intersection(name.parents):
+            place = Path(f"{base}{name}")
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.mkdir() if name.is_dir() else place.touch()
+            calls.mount(str(name), str(place), _BIND | _WITH_INNER)
+    os.makedirs(f"{base}{base}", exist_ok=True)
+    read_only = (1).to_bytes(8, sys.byteorder) + bytes(24)
+    calls.syscall(_MOUNT_SETATTR, 0, os.fsencode(base), _AT_RECURSIVE, read_only, 32)
+    calls.mount(".", f"{base}{base}", _BIND)
+    calls.change_root(base)
+    return view
+
+
+def enter(view: int) -> str:
+    """Enter a namespace; there, the folder of this worker hides the one that it lies in."""
+    if view < 0:
+        raise OSError("needs CAP_SYS_ADMIN or user namespaces, and Linux 5.12")
+    scratch = os.getcwd()
+    calls.setns(view, calls.CLONE_NEWNS)
+    os.close(view)
+    os.chdir(scratch)
+    calls.unshare(calls.CLONE_NEWNS)
+    calls.mount(".", "..", _BIND)
+    os.chdir("..")
+    return ""
