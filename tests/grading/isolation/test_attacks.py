@@ -197,7 +197,7 @@ def test_files_are_closed(tried, without, tmp_path):
     assert os.listdir(tmp_path) == ["truth.txt"]
 
 
-# Prints what it finds of a folder of the grader's, of processes, and of other workers.
+# Prints its findings: a folder of the grader's, processes, other workers.
 LOOK = """
 import ctypes, json, os
 def tried(act, *what):
@@ -222,9 +222,10 @@ print(json.dumps({
 @on_linux
 def test_there_are_no_names_but_those_that_are_granted(worker, tried, tmp_path):
     tmp_path.chmod(0o777)
-    alone = only(MOUNTS, NETWORK)  # who is not root gets both by one call
+    alone = only(MOUNTS, NETWORK)  # other users than root get both by one call
     known = f"FOLDER, JSON = {str(tmp_path)!r}, {str(Path(json.__file__).parent)!r}"
-    with worker("open('theirs', 'w'); channel.sendall(b'x'); channel.recv(1)") as (_, other):
+    stays = "open('theirs', 'w').close()\nchannel.sendall(b'x')\nchannel.recv(1)"
+    with worker(stays) as (_, other):
         other.recv(1)
         layers, output = tried(known + LOOK, without=alone)
     assert "robsim-grading" not in Path("/proc/self/mountinfo").read_text()

@@ -27,8 +27,8 @@ _PATIENCE = 30.0  # s
 NOT_PROTECTED = (
     "Faults of the kernel and of the processor (side channels) are not covered: for code of "
     "strangers use a machine or a container that holds nothing else.",
-    "A submission may find out that files exist, unless it has own mounts, and use processor time "
-    "and memory up to its limits, so that what runs beside it is slower.",
+    "A submission may find out that files exist, unless it has own mounts, and slow other "
+    "processes down by processor time and memory within its limits.",
     "What the assignment lets through is not isolation's matter: a submission sees its frames, its "
     "own code, Python, and every installed package that is not hidden.",
 )
