@@ -91,9 +91,12 @@ def test_zips_become_marks(tmp_path):
             "anna": "6",
             "ben": "0",
         }
-    assert {file.name for file in out.iterdir()} == {*("anna", "ben", "class.csv", "class.html")}
+    assert {file.name for file in out.iterdir()} == {
+        *("anna", "ben", "class.csv", "class.html", "by_hand.csv")
+    }
     for one in result.results:
         files = {file.name for file in (out / one.student).iterdir()}
-        assert {"index.html", "teacher.html", "result.txt", "result.json"} <= files
+        assert {"index.html", "result.txt", "result.json"} <= files
+        assert "teacher.html" not in files
         told = SubmissionResult.from_json((out / one.student / "result.json").read_text())
         assert (told.points, told.is_done) == (one.points, True)

@@ -60,7 +60,7 @@ def go_on(course):
 
 def without_times(result):
     tests = tuple(replace(test, seconds=0.0, picture=None) for test in result.tests)
-    return repr(replace(result, tests=tests, seconds=0.0, isolation="").to_json())
+    return repr(replace(result, tests=tests, seconds=0.0, isolation="", command="").to_json())
 
 
 @pytest.mark.parametrize("tests_done", [1, pytest.param(3, marks=pytest.mark.slow)])

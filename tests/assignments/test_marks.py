@@ -9,8 +9,9 @@ import re
 import pandas as pd
 import pytest
 
-from graded_results import SECRET, graded, hidden, reports, submission
+from graded_results import SECRET, graded, hidden, reports, score, submission
 from html_outline import Outline
+from robsim.teach import ByHand
 
 # --- tables
 
@@ -166,6 +167,31 @@ def test_of_hidden_tests_nothing_shows_but_points_and_sentence(results, when):
     # What stands above all tests is seen before.
     assert "2.92 of 4 points" in content["output"]
     assert not re.search(r"3\.92|\b8\b", content["output"])
+
+
+def test_a_score_of_a_public_test_is_on_the_leaderboard_if_asked_for(results):
+    both = score("bias", statistic=0.25, low=0.5, low_zero=0.1)
+    tests = [graded(failed=(), scores=(score(), both)), hidden(scores=(score(),), failed=())]
+    assert "leaderboard" not in results(*tests)
+    (entry,) = results(*tests, leaderboard="estimate.position")["leaderboard"]
+    assert (entry["value"], entry["order"]) == (1.5, "asc")
+    (entry,) = results(*tests, leaderboard="estimate.bias")["leaderboard"]
+    assert entry["value"] == 4  # a quarter is as far off as four times
+    # A submission that fails in hard runs would be measured in easy ones alone.
+    none = graded(failed=(), scores=(score(statistic=math.nan),))
+    for test, name in ((graded(), "estimate"), (none, "estimate"), (tests[1], "others")):
+        assert "leaderboard" not in results(test, leaderboard=f"{name}.position")
+
+
+def test_what_a_teacher_changed_is_told_with_the_hidden_points(results):
+    changed = ByHand(points=3.0, comment="too short")
+    content = reports.gradescope(submission(by_hand=changed))
+    check_results(content)
+    assert content["score"] == 3
+    assert "too short" not in content["output"]
+    *_, said = content["tests"]
+    assert said["visibility"] == "after_published"
+    assert "too short" in said["output"]
 
 
 def test_what_could_not_be_graded_has_no_score(results):

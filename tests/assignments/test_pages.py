@@ -47,6 +47,8 @@ def programs_of(*names):
 
 
 def test_all_files_are_written(tmp_path):
+    (tmp_path / "new/s002").mkdir(parents=True)
+    (tmp_path / "new/s002/teacher.html").touch()
     page = written(tmp_path / "new")
     table = (tmp_path / "new/class.csv").read_text("utf-8")
     rows = list(csv.reader(table.splitlines()))
@@ -54,7 +56,7 @@ def test_all_files_are_written(tmp_path):
     for wanted in ("mean 2.97, median 3.92 of 8", "2 of 3", "s001 (0), müller (2.92)", "(hidden)"):
         assert wanted in page.text
     assert page.attributes("href") == [
-        *("m%C3%BCller/teacher.html", "s001/teacher.html", "s002/teacher.html")
+        *("m%C3%BCller/index.html", "s001/index.html", "s002/teacher.html")
     ]
     # The table can be sorted by numbers: points, two tests, seconds.
     assert len([float(value) for value in page.attributes("data-value")]) == 3 * 4
@@ -238,7 +240,8 @@ def test_runs_that_failed_alike_are_told_together():
 
 def test_all_files_of_a_submission_are_written_and_pictures_of_before_are_shown_again(tmp_path):
     result, folder = submission(), tmp_path / "s001"
-    reports.write_student(folder, result, pictures={"estimate": png(), "others": png("blue")})
+    pictures = {"estimate": png(), "others": png("blue")}
+    reports.write_student(folder, result, pictures=pictures, teacher_page=True)
     assert {file.name for file in folder.iterdir()} == {
         *("index.html", "result.txt", "teacher.html", "result.json"),
         *("estimate.png", f"{SECRET}.png"),

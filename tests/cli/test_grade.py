@@ -3,11 +3,15 @@
 import csv
 import dataclasses
 import json
+import re
+import shlex
 import shutil
+import zipfile
 
 import pytest
 
 from commands import command
+from html_outline import Outline
 from robsim.teach import GraderError, IsolationError, SubmissionResult, check_isolation
 from robsim.trace import Trace
 from small_assignments import TESTS, assignment, drawn_quickly, solution
@@ -110,7 +114,7 @@ def test_a_class_has_a_line_for_each_and_a_table(course, hw3):
     assert "s001  6 of 6\n" in run.stdout
     assert "s002  0 of 6  not all of shown, hidden\n" in run.stdout
     assert {file.name for file in (hw3 / "graded").iterdir()} == {
-        *("s001", "s002", "class.html", "class.csv")
+        *("s001", "s002", "class.html", "class.csv", "by_hand.csv")
     }
     again = command("grade", "hw3", "subs", "--json")
     told = [SubmissionResult.from_json(json.dumps(one)) for one in json.loads(again.stdout)]
@@ -159,6 +163,27 @@ def test_points_are_marked_anew_after_limits_have_changed(hw3):
     run = command("grade", "hw3", "--regrade")
     assert run.exit_code == 1, run.stderr
     assert result_of(hw3, "s001").points == 7
+    assert "s001: 6 -> 7\n" in run.stdout
+    (hw3 / "graded/by_hand.csv").write_text("student,points\ns002,4.5\n")
+    run = command("grade", "hw3", "--regrade", "--feedback", "feedback.zip")
+    assert "s002: 0 -> 4.5\n" in run.stdout
+    assert "s001: " not in run.stdout
+    with zipfile.ZipFile("feedback.zip") as archive:
+        assert "4.5 of 7" in archive.read("s002/result.txt").decode()
+    assert "no points have changed" in command("grade", "hw3", "--regrade").stdout
+
+
+def test_a_page_for_the_teacher_says_how_to_do_a_run_again(hw3, tmp_path):
+    shutil.move(hw3 / "subs", hw3 / "of us")
+    shutil.move(hw3 / "graded", hw3 / "marks")
+    command("grade", "hw3", "of us", "--out", "marks", "--teacher-pages")
+    assert "s001/teacher.html" in (hw3 / "marks/class.html").read_text()
+    page = Outline((hw3 / "marks/s001/teacher.html").read_text())
+    (line,) = re.findall("robsim (grade (?:(?!robsim).)* --play hidden --run [01])", page.text)
+    run = command(*shlex.split(line))
+    assert run.exit_code == 0, run.stderr
+    assert list((hw3 / "marks/s001").glob("hidden-run*.npz"))
+    assert "of us" not in (hw3 / "marks/s001/index.html").read_text()
 
 
 def test_a_run_is_played_again_for_an_appeal(hw3):
@@ -226,6 +251,7 @@ def test_what_makes_no_sense_is_said_and_nothing_is_graded(hw3):
         "isolation": ("hw3", "subs", "--isolation", "full"),
         "moodle": ("hw3", "subs", "--columns", "moodel"),
         "out": ("hw3", "subs", "--out", "subs"),
+        "hw3 is a folder": ("hw3", "subs", "--feedback", "hw3"),
         "results": ("hw3", "--regrade"),
         "has 2": ("hw3", "subs", "--play", "shown"),
         "run must": ("hw3", "subs/s001", "--play", "shown", "--run", "7"),

@@ -21,6 +21,7 @@ import pytest
 import robsim
 from python_devices import SteppedCamera
 from refusals import NO_IMAGE, NO_PAIR, NO_POLYGON, NO_POSE, NOT_FINITE, short
+from robsim.teach import ClassResult
 from robsim.teach.tasks.marks.calibration import shipped_calibrations
 
 pytestmark = pytest.mark.long
@@ -194,6 +195,7 @@ EXAMPLES = {
     "Submission.calls.name": lambda: "fit",
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
     "new_assignment.template": lambda: "measure",
+    "pack_feedback.result": lambda: ClassResult(name="hw1", results=()),
     "pack_gradescope.path": lambda: Path(new_folder(), "autograder.zip"),
     "calibrate_assignment.folder": lambda: new_assignment().folder,
     "check_assignment.folder": lambda: new_assignment().folder,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -62,6 +62,8 @@ def grade(
     student: str | None = None,
     columns: str = "robsim",
     pseudonyms: bool = False,
+    teacher_pages: bool = False,
+    feedback: Path | None = None,
     gradescope: Path | None = None,
     regrade: bool = False,
     play: str | None = None,
@@ -74,8 +76,8 @@ def grade(
 
     Each runs in its own process, which sees the frames and none of the truth. Results are written
     after each test: the same command continues an ended one, and repeats only what changed. In the
-    folder of each student are index.html and result.txt for them, and teacher.html with all; beside
-    these class.html and class.csv.
+    folder of each student are index.html and result.txt for them; beside these class.html,
+    class.csv, and by_hand.csv, which is yours: late days, other points, comments.
 
     With --public, for students: the public tests of their work.
 
@@ -95,10 +97,13 @@ def grade(
         Default: as the assignment says.
     --student NAME: Whose it is, for a single submission. Default: the name of its file or folder.
     --columns PLATFORM: Columns of class.csv: robsim, moodle, canvas or blackboard.
-    --pseudonyms: No names of students in the files of the class.
+    --pseudonyms: No names of students in class.html and class.csv.
+    --teacher-pages: Write teacher.html for each student, too, with hidden tests.
+    --feedback ZIP: Write the pages of all students into a zip, as Moodle takes feedback files.
     --gradescope FILE: Write the result of a single submission as Gradescope reads it, results.json.
         An autograder: robsim assignment pack.
-    --regrade: Run nothing: mark the results in --out again, after limits or points changed.
+    --regrade: Run nothing: mark the results in --out again, after limits, points or by_hand.csv
+        changed, and print whose points are others now.
     --play TEST: For an appeal: do a run of this test again, which is the same, and write its trace
         and picture.
     --gui: Also open the run to --play in the panel, in the browser, with the goal of the task; it
@@ -114,7 +119,8 @@ def grade(
     with _reported():
         from robsim.base.checks import check_choice
         from robsim.cli import marks
-        from robsim.teach.assignments import load_assignment, regrade_class
+        from robsim.cli.results import check_file
+        from robsim.teach.assignments import load_assignment, pack_feedback, regrade_class
         from robsim.teach.isolation.limits import LEVELS
 
         if assignment is None:
@@ -127,8 +133,15 @@ def grade(
         if gui and play is None:
             raise ValueError("--gui shows the run to --play: give that, too")
         executor = engine_of(jobs)
+        if feedback is not None:
+            check_file(feedback)
+        told: dict[str, Any] = {
+            "columns": columns,
+            "pseudonyms": pseudonyms,
+            "teacher_pages": teacher_pages,
+        }
         if regrade:
-            result = regrade_class(given, out, columns=columns, pseudonyms=pseudonyms)
+            result = regrade_class(given, out, **told)
         elif submissions is None:
             raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
         elif play is not None:
@@ -146,9 +159,10 @@ def grade(
                 is_quiet=as_json,
                 executor=executor,
                 only=only,
-                columns=columns,
-                pseudonyms=pseudonyms,
+                **told,
             )
+        if feedback is not None:
+            pack_feedback(result, out, feedback)
         marks.show(given, result, out, public=public, as_json=as_json)
     _exit(result)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -76,7 +76,7 @@ def _line(result: SubmissionResult, changed: str) -> str:
 
 def _points(result: SubmissionResult) -> str:
     """Return the points of the tests that were run or could not be, of how many."""
-    most = sum(test.most for test in result.tests if test.digest)
+    most = sum(test.most for test in result.tests if test.digest or test.by_hand)
     return f"{number(result.points)} of {number(most)}"
 
 
@@ -87,6 +87,8 @@ def show(
     if as_json:
         errors.show(json.dumps([json.loads(one.to_json()) for one in result.results], indent=2))
         return
+    if result.changes is not None:
+        errors.show(_changes(result.changes))
     if len(result.results) > 1:
         errors.show(f"\n{result}\n")
         if line := next((one.isolation for one in result.results if one.isolation), ""):
@@ -100,6 +102,11 @@ def show(
             f"public tests only: {number(one.most)} of {number(assignment.points)} points shown"
         )
     errors.say(f"with pictures: {out / folder_name(one.student) / PAGE}")
+
+
+def _changes(changes: Mapping[str, tuple[float, float]]) -> str:
+    lines = [f"{name}: {number(old)} -> {number(new)}" for name, (old, new) in changes.items()]
+    return "\n".join(["points have changed:", *lines] if lines else ["no points have changed"])
 
 
 def played(

@@ -142,6 +142,8 @@ class TestResult:
     digest : str
         SHA-256 of all that its numbers rest on, points and limits left out; "" = it is still to
         be run.
+    by_hand : bool
+        Whether it is no test, but points that a teacher gives, such as those for style.
     """
 
     __test__ = False  # it is no test of pytest's
@@ -165,10 +167,33 @@ class TestResult:
     output: str = ""
     seconds: float = 0.0
     digest: str = ""
+    by_hand: bool = False
 
     def __post_init__(self) -> None:
         # Here, so that points are the same wherever they are read, and add up there.
         object.__setattr__(self, "points", in_hundredths(self.points, self.most))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByHand:
+    """Marks by hand of a submission.
+
+    Attributes
+    ----------
+    late_days : float
+        How many days it came late.
+    kept : float
+        The share of the points that these leave, 0 to 1.
+    points : float or None
+        Points that replace the tests' points; None = the tests count.
+    comment : str
+        A comment for the student.
+    """
+
+    late_days: float = 0.0
+    kept: float = 1.0
+    points: float | None = None
+    comment: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -195,6 +220,10 @@ class SubmissionResult:
         Whether all tests were run.
     seconds : float
         How long it took.
+    by_hand : ByHand
+        Late days, points by hand and a comment.
+    command : str
+        The shell command that grades it; "" = not known.
     """
 
     assignment: str
@@ -208,16 +237,26 @@ class SubmissionResult:
     versions: Mapping[str, str] = field(default_factory=dict)
     is_done: bool = False
     seconds: float = 0.0
+    by_hand: ByHand = ByHand()
+    command: str = field(default="", compare=False)
 
     @property
     def points(self) -> float:
-        """What it got in all."""
-        return round(sum(test.points for test in self.tests), 2)
+        """All its points, by tests and by hand, less the share of late days."""
+        hand = self.by_hand
+        points = self.points_of_tests if hand.points is None else hand.points
+        points += sum(test.points for test in self.tests if test.by_hand)
+        return round(points * hand.kept, 2)
 
     @property
     def most(self) -> float:
         """How many points there are."""
         return round(sum(test.most for test in self.tests), 2)
+
+    @property
+    def points_of_tests(self) -> float:
+        """The points of its tests, without marks by hand."""
+        return round(sum(test.points for test in self.tests if not test.by_hand), 2)
 
     @property
     def has_errors(self) -> bool:
@@ -255,6 +294,7 @@ class SubmissionResult:
             raise ValueError(f"no result of a submission of format {FORMAT}")
         try:
             tests = tuple(_test(one) for one in data.pop("tests"))
+            data["by_hand"] = ByHand(**data.get("by_hand", {}))
             return cls(tests=tests, **data | {"notes": tuple(data["notes"])})
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"no result of a submission: {error}") from None
@@ -296,9 +336,11 @@ class SubmissionReport(Report):
 
     @property
     def quantities(self) -> Sequence[Quantity]:
+        points, of_tests = self.of.points, self.of.points_of_tests
         return (
-            Quantity("points", "points", self.of.points, "", ".2f"),
+            Quantity("points", "points", points, "", ".2f"),
             Quantity("most", "of", self.of.most, "", "g"),
+            *([Quantity("tests", "the tests gave", of_tests)] if points != of_tests else ()),
         )
 
     @property

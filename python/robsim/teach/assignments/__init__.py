@@ -1,6 +1,6 @@
 """Assignments: what students hand in, graded by tasks and tests, with reports."""
 
-from robsim.teach.assignments.assignment import Assignment, FileTests, TaskTest
+from robsim.teach.assignments.assignment import Assignment, FileTests, LateRule, TaskTest
 from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.calibration import calibrate_assignment
 from robsim.teach.assignments.checking import check_assignment
@@ -9,14 +9,16 @@ from robsim.teach.assignments.classes.class_run import grade_class, grade_submis
 from robsim.teach.assignments.making import new_assignment
 from robsim.teach.assignments.marking.playing import PlayedRun, play_run
 from robsim.teach.assignments.packing.gradescope import pack_gradescope
-from robsim.teach.assignments.packing.students import pack_students
-from robsim.teach.results import FailedRun, ScoreResult, SubmissionResult, TestResult
+from robsim.teach.assignments.packing.students import pack_feedback, pack_students
+from robsim.teach.results import ByHand, FailedRun, ScoreResult, SubmissionResult, TestResult
 
 __all__ = [
     "Assignment",
+    "ByHand",
     "ClassResult",
     "FailedRun",
     "FileTests",
+    "LateRule",
     "PlayedRun",
     "ScoreResult",
     "SubmissionResult",
@@ -28,6 +30,7 @@ __all__ = [
     "grade_submission",
     "load_assignment",
     "new_assignment",
+    "pack_feedback",
     "pack_gradescope",
     "pack_students",
     "play_run",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,8 @@ from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 SEEDS = ("student", "class")
 #: The attributes that bound a submission, as of `robsim.teach.Submission`.
 RULES = ("slots", "functions", "imports", "masked", "defaults")
+#: Columns of the table of marks by hand.
+BY_HAND = ("student", "late_days", "points", "comment")
 #: s that the tests of a submission may take: Gradescope's 10 minutes less one.
 SECONDS = 540.0
 
@@ -80,6 +84,23 @@ class FileTests:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LateRule:
+    """The rule for late days.
+
+    Attributes
+    ----------
+    per_day : float
+        The share of the points that a day takes, 0 to 1.
+    free_days, most_days : float
+        How many days take nothing, and after how many there are no points.
+    """
+
+    per_day: float
+    free_days: float = 0.0
+    most_days: float = math.inf
+
+
+@dataclass(frozen=True, kw_only=True)
 class Assignment:
     """What is graded, by which rules: the content of a folder.
 
@@ -115,6 +136,14 @@ class Assignment:
         The tests by tasks.
     files : tuple of FileTests
         The teacher's own.
+    hidden_from : datetime or None
+        The time until which hidden tests are not run.
+    late : LateRule or None
+        The rule for late days.
+    by_hand : mapping of str to float
+        Points that a teacher gives, such as those for style, by name: how many there are.
+    leaderboard : str
+        The score on Gradescope's leaderboard, ``"TEST.SCORE"``; "" = there is no leaderboard.
     """
 
     folder: Path
@@ -135,6 +164,10 @@ class Assignment:
     seconds: float = SECONDS
     tests: tuple[TaskTest, ...] = ()
     files: tuple[FileTests, ...] = ()
+    hidden_from: datetime | None = None
+    late: LateRule | None = None
+    by_hand: Mapping[str, float] = field(default_factory=dict)
+    leaderboard: str = ""
 
     @property
     def all_tests(self) -> tuple[TaskTest | FileTests, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
+from datetime import date, datetime, time
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -14,7 +15,15 @@ from robsim.base.checks import check_choice, check_float, check_name, check_text
 from robsim.base.files import as_folder, codec, content_of, read_text
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line, quoted
-from robsim.teach.assignments.assignment import SECONDS, SEEDS, Assignment, FileTests, TaskTest
+from robsim.teach.assignments.assignment import (
+    BY_HAND,
+    SECONDS,
+    SEEDS,
+    Assignment,
+    FileTests,
+    LateRule,
+    TaskTest,
+)
 from robsim.teach.assignments.limits_file import RecordedTest, read_limits
 from robsim.teach.errors import AssignmentError
 from robsim.teach.grading import keys
@@ -59,11 +68,30 @@ def _limits(submission: float = SECONDS, **limits: Any) -> tuple[float, WorkerLi
     return submission, WorkerLimits(**limits)
 
 
+def _time(name: str, value: Any) -> datetime:
+    """Return a date, at its start, or a time; in the zone of this machine, unless it has one."""
+    if not isinstance(value, date):
+        expected = "a date or a time, such as 2026-12-01T08:00:00+01:00"
+        raise TypeError(f"{name} must be {expected}, got {codec.in_words(value)}")
+    when = value if isinstance(value, datetime) else datetime.combine(value, time())
+    return when if when.tzinfo else when.astimezone()
+
+
 _POINTS = partial(check_float, minimum=0, maximum=_MOST_POINTS)
 _SECONDS = partial(check_float, minimum=0, maximum=_MOST_SECONDS)
 _LIMITS = codec.Table(
     _limits, dict.fromkeys(WorkerLimits.__dataclass_fields__, "") | {"submission": _SECONDS}
 )
+_DAYS = partial(check_float, minimum=0)
+_SHARE = partial(check_float, minimum=0, maximum=1)
+_LATE = codec.Table(LateRule, {"per_day": _SHARE, "free_days": _DAYS, "most_days": _DAYS})
+
+
+def _by_hand(name: str, value: Any) -> Mapping[str, float]:
+    for key in (points := codec.named(_POINTS).read(name, value)):
+        if _test_name(name, key) in BY_HAND:
+            raise ValueError(f"{key} is a column of by_hand.csv already: choose another name")
+    return dict(points)
 
 
 def _table(folder: Path) -> codec.Table:
@@ -97,6 +125,10 @@ def _table(folder: Path) -> codec.Table:
             "isolation": partial(check_choice, choices=LEVELS),
             "points": _POINTS,
             "limits": _LIMITS,
+            "hidden_from": _time,
+            "leaderboard": check_text,
+            "late": _LATE,
+            "by_hand": _by_hand,
             "tests": codec.listed(tests),
             "files": codec.listed(files),
         },
@@ -178,6 +210,10 @@ def _assignment(
         **others,
     )
     assignment._rules()
+    public = [test for test in tests if test.public]
+    scores = [f"{test.name}.{score.name}" for test in public for score in test.task.scores]
+    asked = filter(None, [assignment.leaderboard])
+    check_names("leaderboard: no public test has the score", asked, scores, ValueError)
     return assignment
 
 

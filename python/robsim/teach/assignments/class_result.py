@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robsim.base.report import Column, Quantity, Report, Row, Table
+from robsim.teach.reports.words import by_hand, waiting
 from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult
 
 _MOST_LISTED = 5
@@ -24,10 +25,13 @@ class ClassResult(Report):
         The name of the assignment.
     results : tuple of SubmissionResult
         Those of the submissions, by the names of the students.
+    changes : mapping of str to (float, float), or None
+        The points before and after `regrade_class`, of students whose points have changed.
     """
 
     name: str
     results: tuple[SubmissionResult, ...]
+    changes: Mapping[str, tuple[float, float]] | None = None
 
     @property
     def title(self) -> str:
@@ -70,7 +74,11 @@ class ClassResult(Report):
         if unread := [one for one in self.results if one.is_unread]:
             yield f"could not be read, which gives no points, as their pages say: {_listed(unread)}"
         if left := [one for one in self.results if not one.is_done and not one.has_errors]:
-            yield f"some tests were not asked for: {_listed(left)}"
+            why = dict.fromkeys(test.sentence for one in left for test in waiting(one))
+            yield f"some tests were not run: {_listed(left)}. {' '.join(why)}"
+        for one in self.results:
+            if said := by_hand(one):
+                yield f"{one.student}: {' '.join(said)}"
 
     @property
     def has_errors(self) -> bool:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from os import PathLike
 from typing import Any
@@ -13,7 +14,7 @@ from robsim.base.files import as_path, write_whole
 from robsim.teach.reports import words
 from robsim.teach.reports.pages import data_uri, rendered
 from robsim.teach.reports.student_text import for_student
-from robsim.teach.results import ERROR, PASSED, SubmissionResult, TestResult, of_most
+from robsim.teach.results import ERROR, NOT_RUN, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.texts import clean_line, clean_text
 
 #: When hidden tests can be shown there. One that is never shown would hide the total for good.
@@ -27,17 +28,25 @@ def gradescope(
     *,
     pictures: Mapping[str, bytes] | None = None,
     hidden: str = "after_published",
+    leaderboard: str = "",
 ) -> dict[str, Any]:
     """Return a result as the content of Gradescope's ``results.json``.
 
     Pictures are PNG files by test; small ones of public tests are shown. `hidden`, one of
     `VISIBILITIES`, is when points and sentences of hidden tests are shown. Until then Gradescope
-    shows no total. Source: https://gradescope-autograders.readthedocs.io/en/latest/specs/
+    shows no total. `leaderboard`, as of an `Assignment`, names a score of a public test, which is
+    shown to all if no run failed, relative to the reference. Source:
+    https://gradescope-autograders.readthedocs.io/en/latest/specs/
     """
     check_choice("hidden", hidden, VISIBILITIES)
     theirs = for_student(result)
     shown = _shown(theirs, pictures or {})
     tests = [_test(result, test, shown.get(test.name), hidden) for test in theirs.tests]
+    if said := words.by_hand(theirs):  # which tells the points of hidden tests
+        when = "visible" if all(test.public for test in theirs.tests) else hidden
+        text = {"output": clean_text("\n".join(said)), "output_format": "text"}
+        tests.append({"name": "By hand", **text, "visibility": when})
+    ranked = [*_leaderboard(result, leaderboard)]
     return {
         "score": theirs.points,
         "execution_time": round(theirs.seconds, 3),
@@ -56,7 +65,19 @@ def gradescope(
             "assignment_digest": theirs.assignment_digest,
         },
         "tests": tests,
+        **({"leaderboard": ranked} if ranked else {}),
     }
+
+
+def _leaderboard(result: SubmissionResult, wanted: str) -> Iterator[dict[str, Any]]:
+    for test in result.tests:
+        for score in test.scores if test.public and not test.failed else ():
+            value = score.statistic
+            if score.low is not None and 0 < value < 1:  # there 1 is right, not 0
+                value = 1 / value
+            if f"{test.name}.{score.name}" == wanted and math.isfinite(value):
+                name = f"{clean_line(score.title)}, relative to the reference"
+                yield {"name": name, "value": value, "order": "asc"}
 
 
 def write_gradescope(
@@ -65,9 +86,10 @@ def write_gradescope(
     *,
     pictures: Mapping[str, bytes] | None = None,
     hidden: str = "after_published",
+    leaderboard: str = "",
 ) -> None:
     """Write `gradescope` to a file, whole or not at all; raise OSError if that fails."""
-    content = gradescope(result, pictures=pictures, hidden=hidden)
+    content = gradescope(result, pictures=pictures, hidden=hidden, leaderboard=leaderboard)
     text = json.dumps(content, indent=1, allow_nan=False)
     write_whole(as_path(path), f"{text}\n".encode("ascii"))
 
@@ -86,14 +108,16 @@ def _shown(result: SubmissionResult, pictures: Mapping[str, bytes]) -> dict[str,
 
 
 def _output(result: SubmissionResult) -> str:
-    public = [test for test in result.tests if test.public]
+    tests = [test for test in result.tests if not test.by_hand]
+    public = [test for test in tests if test.public]
     shown = replace(result, tests=tuple(public))
-    hidden = result.most - sum(test.most for test in public)
-    lines = [f"Public tests: {of_most(shown.points, shown.most)}."] if public else []
-    if hidden > 0:
+    points = of_most(shown.points_of_tests, shown.most)
+    lines = [f"Public tests: {points}."] if public else []
+    if sum(test.most for test in tests) > shown.most:
         lines.append("There are hidden tests, too.")
     if not result.is_done:
         lines.append("Not all tests have been run.")
+    lines += map(clean_text, dict.fromkeys(test.sentence for test in words.waiting(result)))
     lines += map(clean_text, result.notes)
     if isolation := words.isolation_text(result):
         lines.append(f"Isolation: {clean_line(isolation, 1000)}")
@@ -106,7 +130,6 @@ def _test(
     content: dict[str, Any] = {
         "name": clean_line(test.title),
         "name_format": "text",
-        "status": "passed" if test.status == PASSED else "failed",
         "output": _details(result, test, picture),
         "output_format": "html",
         "visibility": "visible" if test.public else hidden,
@@ -115,7 +138,8 @@ def _test(
     }
     if test.number:
         content["number"] = clean_line(test.number)
-    if test.status != ERROR:  # which nobody can win or lose
+    if test.status not in (ERROR, NOT_RUN):  # no points to win or lose
+        content |= {"status": "passed" if test.status == PASSED else "failed"}
         content |= {"score": test.points, "max_score": float(test.most)}
     return content
 

@@ -51,7 +51,7 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     if test.output.strip():
         yield f"  {words.OUTPUT}:"
         yield from _quoted(_cut(test.output.rstrip()))
-    if test.public:
+    if test.public and not test.by_hand:
         yield f"  {words.REPEAT}:"
         yield clean_line(f"    {words.repeat_command(test)}")
 
@@ -84,10 +84,10 @@ def _wrapped(text: str, start: str, indent: str) -> list[str]:
 def for_student(result: SubmissionResult) -> SubmissionResult:
     """Return what students may see: of hidden tests nothing but title, points and sentence.
 
-    What has shut the submission in is of use to the teacher alone.
+    The isolation and the command of grading are of use to the teacher alone.
     """
     tests = tuple(t if t.public else _hidden(t) for t in result.tests)
-    return replace(result, tests=tests, isolation="")
+    return replace(result, tests=tests, isolation="", command="")
 
 
 #: What students see of a hidden test.
@@ -111,6 +111,8 @@ def pseudonymous(
             tests=tuple(map(_without_texts, result.tests)),
             notes=(),
             submission_digest="",
+            by_hand=replace(result.by_hand, comment=""),
+            command="",
         )
         for result in results
     ]

@@ -11,7 +11,7 @@ from typing import Any
 from robsim.base.checks import check_choice
 from robsim.base.text import as_cell
 from robsim.teach.reports import words
-from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, TestResult, fraction_of, number
+from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, fraction_of, number
 from robsim.teach.texts import clean_line
 
 _Rows = list[list[Any]]
@@ -65,7 +65,9 @@ def _for_robsim(results: Sequence[SubmissionResult], _: str) -> _Rows:
         each = [tests.get(name) for name in names]
         share = round(100 * fraction_of(points, most), 2)
         done = "yes" if result.is_done else "no"
-        rows.append([result.student, points, most, share, *each, done, " ".join(result.notes)])
+        rows.append(
+            [result.student, points, most, share, *each, done, " ".join(words.notes(result))]
+        )
     return rows
 
 
@@ -76,7 +78,7 @@ def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
         match = words.OF_MOODLE.fullmatch(result.student)
         who = [f"Participant {match['number']}", match["name"]] if match else [result.student] * 2
         points = result.points, result.most
-        rows.append([*who, *points, None, " ".join(_feedback(result.tests))])
+        rows.append([*who, *points, None, " ".join(_feedback(result))])
     return rows
 
 
@@ -100,9 +102,10 @@ def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
     return rows
 
 
-def _feedback(tests: Iterable[TestResult]) -> Iterable[str]:
+def _feedback(result: SubmissionResult) -> Iterable[str]:
+    yield from words.by_hand(result)
     told = set()  # of a submission that cannot be read all tests say the same
-    for test in tests:
+    for test in result.tests:
         yield f"{words.test_title(test)}: {words.result_text(test)}."
         if test.sentence and test.points < test.most and test.sentence not in told:
             yield test.sentence if test.sentence.endswith(".") else f"{test.sentence}."

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import shlex
 import statistics
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from robsim.base.report import percent
 from robsim.teach.results import (
@@ -66,9 +68,20 @@ def test_title(test: TestResult) -> str:
 
 def notes(result: SubmissionResult) -> list[str]:
     """Return what is to be said of the submission as a whole."""
-    if not result.is_unread:
-        return list(result.notes)
-    return [f"It could not be read, and nothing of it was run. {note}" for note in result.notes]
+    start = "It could not be read, and nothing of it was run. " if result.is_unread else ""
+    return [*by_hand(result), *(f"{start}{note}" for note in result.notes)]
+
+
+def by_hand(result: SubmissionResult) -> list[str]:
+    """Return why the points differ from the tests' points, in a sentence for each reason."""
+    hand, told = result.by_hand, []
+    if hand.points is not None:
+        of_tests = number(result.points_of_tests)
+        told.append(f"By hand: {number(hand.points)} points instead of {of_tests} of the tests.")
+    if hand.late_days:
+        days = f"{number(hand.late_days)} day{'' if hand.late_days == 1 else 's'} late"
+        told.append(f"{days}: {percent(1 - hand.kept, 0)} of the points are lost.")
+    return [*told, f"Comment: {hand.comment}"] if hand.comment else told
 
 
 def all_notes(result: SubmissionResult) -> list[str]:
@@ -79,6 +92,12 @@ def all_notes(result: SubmissionResult) -> list[str]:
 def sentence(result: SubmissionResult, test: TestResult) -> str:
     """Return what is to be said of a test, if `notes` do not say it of all."""
     return "" if result.is_unread else test.sentence
+
+
+def waiting(result: SubmissionResult) -> list[TestResult]:
+    """Return the tests that are still to be run."""
+    tests = (test for test in result.tests if not test.by_hand)
+    return [test for test in tests if test.status == NOT_RUN]
 
 
 def blame(test: TestResult) -> str:
@@ -271,9 +290,19 @@ def repeat_command(test: TestResult) -> str:
 
 
 def play_command(result: SubmissionResult, test: TestResult) -> str:
-    names = map(shlex.quote, (result.assignment, f"submissions/{result.student}", test.name))
+    command = result.command or f"robsim grade {shlex.quote(result.assignment)} SUBMISSION"
     run = "" if test.worst is None else f" --run {test.worst}"
-    return "robsim grade {} {} --play {}".format(*names) + run
+    return f"{command} --play {shlex.quote(test.name)}{run}"
+
+
+def grade_command(assignment: Path, submission: str, out: Path, student: str) -> str:
+    """Return the command that grades a submission; its paths lead from here, or are absolute."""
+    here, places = Path.cwd(), [Path(os.path.abspath(one)) for one in (assignment, submission, out)]
+    given, handed, folder = (
+        str(place.relative_to(here) if place.is_relative_to(here) else place) for place in places
+    )
+    words = ["robsim", "grade", given, handed, "--student", student, "--out", folder]
+    return shlex.join(words)
 
 
 def isolation_text(result: SubmissionResult) -> str:

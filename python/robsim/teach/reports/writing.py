@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
+from pathlib import Path
 
 from robsim.base.files import as_folder, write_whole
 from robsim.teach.reports.pages import Paths, class_page, student_page
@@ -14,12 +15,12 @@ from robsim.teach.reports.tables import marks_table
 from robsim.teach.results import SubmissionResult
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
-CLASS, MARKS = "class.html", "class.csv"
+CLASS, MARKS, TABLE = "class.html", "class.csv", "by_hand.csv"
 
 
 def folder_name(student: str) -> str:
     """Return the name of a student's folder: another one than the names of files next to it."""
-    return f"__{student}" if student.lower() in (CLASS, MARKS, "results.json") else student
+    return f"__{student}" if student.lower() in (CLASS, MARKS, TABLE, "results.json") else student
 
 
 def write_student(
@@ -27,12 +28,13 @@ def write_student(
     result: SubmissionResult,
     *,
     pictures: Mapping[str, bytes] | None = None,
+    teacher_page: bool = False,
 ) -> None:
     """Write the reports of a submission: each file whole, or as it was.
 
     ``index.html`` and ``result.txt`` are for the student: of hidden tests they have points and a
-    sentence. ``teacher.html`` and ``result.json`` have all, and pictures lie beside them by the
-    names of their tests.
+    sentence. ``teacher.html`` and ``result.json`` have all, and pictures have the names of their
+    tests. `teacher_page` requests ``teacher.html``; an old one is always replaced.
 
     New pictures are PNG files by test; others are read from the folder.
     """
@@ -46,7 +48,8 @@ def write_student(
     theirs = for_student(result)
     write_whole(folder / PAGE, _utf8(student_page(theirs, found)))
     write_whole(folder / TEXT, _utf8(student_text(theirs)))
-    write_whole(folder / TEACHERS, _utf8(student_page(result, found, for_teacher=True)))
+    if teacher_page or (folder / TEACHERS).exists():
+        write_whole(folder / TEACHERS, _utf8(student_page(result, found, for_teacher=True)))
     # Last: where there is a result, its pages are there.
     write_whole(folder / RESULT, _utf8(result.to_json() + "\n"))
 
@@ -66,16 +69,17 @@ def write_class(
     """Write the reports of a class, ``class.html`` and ``class.csv``, beside its submissions.
 
     The paths of the best runs are in the unit of `area`, by test and student. The page compares the
-    programs by student (`program_of`), without given ones. With pseudonyms no text and no program
-    is shown. Columns and title are those of `marks_table`. Raise OSError, or ValueError for no
-    result and for unknown columns.
+    programs by student (`program_of`), without given ones. It links to ``teacher.html`` where that
+    is there, else to ``index.html``. With pseudonyms no text and no program is shown. Columns and
+    title are those of `marks_table`. Raise OSError, or ValueError for no result and for unknown
+    columns.
     """
     folder = as_folder(folder)
     shown = sorted(results, key=lambda result: result.student)
     if not shown:
         raise ValueError("results must have at least one result of a submission")
     pairs = None if programs is None else similar_pairs(programs, given)
-    links = {r.student: f"{folder_name(r.student)}/{TEACHERS}" for r in shown}
+    links = {result.student: _link(folder, folder_name(result.student)) for result in shown}
     if pseudonym is not None:
         shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)
         pairs = pairs and [
@@ -92,6 +96,10 @@ def write_class(
     write_whole(folder / MARKS, _utf8(table))
     content = class_page(shown, paths=paths, area=area, pairs=pairs, links=links)
     write_whole(folder / CLASS, _utf8(content))
+
+
+def _link(folder: Path, name: str) -> str:
+    return f"{name}/{TEACHERS if (folder / name / TEACHERS).exists() else PAGE}"
 
 
 def _utf8(text: str) -> bytes:

@@ -20,6 +20,7 @@ from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
+from robsim.teach.assignments.classes.by_hand import take_table
 from robsim.teach.assignments.classes.plan import Plan, plan_of
 from robsim.teach.assignments.classes.progress import Schedule, Tell, again
 from robsim.teach.assignments.classes.store import ResultFolder, write_class_files
@@ -91,7 +92,10 @@ def grade_submission(
         check_is_one(handed, assignment)
     with TemporaryDirectory(prefix="robsim-graded-") as scratch:
         folder = ResultFolder(as_path(scratch if out is None else out, "out"), file)
-        plan = plan_of(assignment, only=only, public=public)
+        folder.leaderboard = assignment.leaderboard
+        plan = plan_of(assignment, only=only, public=public, waits=True)
+        _check_apart(folder.folder, [handed])
+        folder.by_hand = {} if public else take_table(plan, folder, [handed.student])
         (result,) = grade_all(plan, [handed], folder).results
     return result
 
@@ -106,12 +110,17 @@ def grade_class(
     only: Iterable[str] | None = None,
     columns: str = "robsim",
     pseudonyms: bool = False,
+    teacher_pages: bool = False,
     on_result: Callable[[SubmissionResult, str], Any] | None = None,
 ) -> ClassResult:
     """Grade a class, and write what came of it.
 
     Results are written after each test. What `out` has already of submissions and tests that
     have not changed is not run again: the same call goes on where one was ended.
+
+    ``by_hand.csv`` in `out` is the teacher's: late days, points that replace the tests' points,
+    a comment, and the points of `Assignment.by_hand`. This function adds students to it, and
+    all results contain its marks.
 
     Parameters
     ----------
@@ -120,8 +129,8 @@ def grade_class(
     submissions : path
         The folder with the submissions; or a single one.
     out : path
-        The folder for the results: one for each student, and of several ``class.html`` and
-        ``class.csv``.
+        The folder for the results: one for each student, and of several ``class.html``,
+        ``class.csv`` and ``by_hand.csv``.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
         What grades, as for `robsim.campaign`: so many processes, or others, which must see the
         same folders. Default: this process.
@@ -130,7 +139,10 @@ def grade_class(
     columns : {"robsim", "moodle", "canvas", "blackboard"}
         The learning platform whose columns ``class.csv`` has.
     pseudonyms : bool
-        Whether the files of the class have pseudonyms instead of names.
+        Whether page and table of the class have pseudonyms instead of names.
+    teacher_pages : bool
+        Whether to write ``teacher.html`` of each submission, which also shows hidden tests. An
+        old one is always replaced.
     on_result : callable, optional
         Is called with the result of each finished submission, and the reason why it was graded
         again, ``""`` if it was not.
@@ -143,7 +155,7 @@ def grade_class(
     Raises
     ------
     AssignmentError, FileNotFoundError, TypeError, ValueError
-        As `grade_submission`.
+        As `grade_submission`; also if ``by_hand.csv`` is wrong: nothing is run then.
     OSError
         If a result cannot be written.
 
@@ -155,10 +167,13 @@ def grade_class(
     check_is_assignment(assignment)
     engine_value(executor)
     folder = ResultFolder(as_path(out, "out"))
+    folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
     check_callable("on_result", on_result)
     handed = submissions_in(submissions, assignment, warn_user)
-    plan = plan_of(assignment, only=only, public=public)
+    plan = plan_of(assignment, only=only, public=public, waits=True)
+    _check_apart(folder.folder, handed)
+    folder.by_hand = take_table(plan, folder, [one.student for one in handed])
     done = grade_all(plan, handed, folder, executor=executor, tell=on_result)
     results = sorted(done.results, key=lambda result: result.student)
     write_class_files(
@@ -173,8 +188,9 @@ def regrade_class(
     *,
     columns: str = "robsim",
     pseudonyms: bool = False,
+    teacher_pages: bool = False,
 ) -> ClassResult:
-    """Recompute the marks after limits or points of an assignment have changed.
+    """Recompute the marks after limits, points or ``by_hand.csv`` have changed.
 
     Nothing is run: the numbers of the runs are those in the folder. The page of the class does
     not report similar programs, because the programs are not read.
@@ -185,13 +201,13 @@ def regrade_class(
         The assignment as it is now.
     out : path
         The folder that `grade_class` has written, whose files are written anew.
-    columns, pseudonyms
+    columns, pseudonyms, teacher_pages
         As for `grade_class`.
 
     Returns
     -------
     ClassResult
-        The results of all.
+        The results of all, and whose points have changed.
 
     Raises
     ------
@@ -205,17 +221,24 @@ def regrade_class(
     """
     check_is_assignment(assignment)
     folder = ResultFolder(as_path(out, "out"))
+    folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
     plan = plan_of(assignment)
     units = {name: unit for unit in plan.work.units for name in unit.names}
     students = folder.students()
     if not students:
         raise FileNotFoundError(2, "there are no results to be marked anew", str(out))
-    results = [_again(plan, units, folder, student) for student in students]
-    for result in results:  # all of them can be
-        folder.write(result)
+    old = [_old(folder, student) for student in students]
+    results = [_again(plan, units, one) for one in old]
+    folder.by_hand = take_table(plan, folder, [one.student for one in old])
+    results = [folder.write(result) for result in results]  # all of them can be
     write_class_files(assignment, None, folder, results, columns=columns, pseudonyms=pseudonyms)
-    return ClassResult(name=assignment.name, results=tuple(results))
+    changes = {
+        one.student: (one.points, now.points)
+        for one, now in zip(old, results, strict=True)
+        if one.points != now.points
+    }
+    return ClassResult(name=assignment.name, results=tuple(results), changes=changes)
 
 
 def _check_tables(assignment: Assignment, columns: str, *, pseudonyms: bool) -> None:
@@ -236,7 +259,6 @@ def grade_all(
 
     Results that are in the folder already are gone on with.
     """
-    _check_apart(folder.folder, handed)
     folder.folder.mkdir(parents=True, exist_ok=True)
     schedule = Schedule(plan, handed, folder, tell)
     with closing(rows_by(engine_value(executor), plan.work, schedule)) as chunks:
@@ -257,13 +279,14 @@ def _check_apart(out: Path, handed: list[Handed]) -> None:
         )
 
 
-def _again(
-    plan: Plan, units: dict[str, Unit], folder: ResultFolder, student: str
-) -> SubmissionResult:
-    old = folder.read(student)
-    if old is None:
+def _old(folder: ResultFolder, student: str) -> SubmissionResult:
+    if (old := folder.read(student)) is None:
         raise ValueError(f"{one_line(folder.of(student))}: its result cannot be read")
-    tests = tuple(_test(units, test, student) for test in old.tests)
+    return old
+
+
+def _again(plan: Plan, units: dict[str, Unit], old: SubmissionResult) -> SubmissionResult:
+    tests = tuple(_test(units, test, old.student) for test in old.tests if not test.by_hand)
     return replace(old, title=plan.assignment.title, tests=tests, assignment_digest=plan.digest)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 from robsim.base.checks import check_bool
 from robsim.base.spelling import check_names
@@ -27,17 +28,27 @@ class Plan:
     work: GradingWork  # the assignment with all tests that there are results of
     wanted: frozenset[str]  # the names of those that are run
     digest: str  # of all inputs of the points
+    waits: str = ""  # why hidden tests are not run
 
     @property
     def assignment(self) -> Assignment:
         return self.work.assignment
 
 
+def now() -> datetime:
+    return datetime.now(UTC)
+
+
 def plan_of(
-    assignment: Assignment, *, only: Iterable[str] | None = None, public: bool = False
+    assignment: Assignment,
+    *,
+    only: Iterable[str] | None = None,
+    public: bool = False,
+    waits: bool = False,
 ) -> Plan:
     """Return the plan of a grading, for the tests with the names `only`, or for public tests.
 
+    A plan that `waits` leaves out hidden tests before their time.
     Raise AssignmentError if a limit, the key, a reference or a file of tests is missing or broken,
     and ValueError if a test is unknown.
     """
@@ -61,12 +72,17 @@ def plan_of(
         own = () if isinstance(test, TaskTest) else list_own_tests(assignment, test)
         units.append(Unit(test, own, digests.of_test(assignment, test)))
     names = [name for unit in units for name in unit.names]
-    if twice := [name for name in names if names.count(name) > 1]:
+    all_names = [*names, *assignment.by_hand]
+    if twice := [name for name in all_names if all_names.count(name) > 1]:
         raise AssignmentError(f"two tests have the name {quoted(twice[0])}: rename one")
+    check_names(f"{assignment.name} has no test", asked or (), names, ValueError)
+    start = assignment.hidden_from
+    is_early = waits and start is not None and now() < start
+    early = {name for unit in units if is_early and not unit.test.public for name in unit.names}
+    said = f"Hidden tests are run from {start:%Y-%m-%d %H:%M %Z} on." if early else ""
     wanted = names if asked is None else asked
-    check_names(f"{assignment.name} has no test", wanted, names, ValueError)
     work = GradingWork(assignment, tuple(units))
-    return Plan(work, frozenset(wanted), digests.of_assignment(assignment))
+    return Plan(work, frozenset(wanted) - early, digests.of_assignment(assignment), said)
 
 
 def _names(only: Iterable[str] | str) -> list[str]:

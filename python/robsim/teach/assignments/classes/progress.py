@@ -20,6 +20,7 @@ from robsim.teach.assignments.marking.marking import labels_of, marked_anew
 from robsim.teach.assignments.marking.task_runs import files_for
 from robsim.teach.assignments.marking.work import Job, Row, Unit
 from robsim.teach.errors import SubmissionError
+from robsim.teach.reports import words
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
 from robsim.teach.submissions.reading import Contents, arranged, open_submission
@@ -86,7 +87,8 @@ class Progress:
             return
         if found and not self.changed:
             self.changed = "the assignment has changed since it was graded"
-        self._take(unit.unmarked(status=NOT_RUN, sentence=_WAITING, digest=""))
+        waits = _WAITING if unit.test.public else self._plan.waits or _WAITING
+        self._take(unit.unmarked(status=NOT_RUN, sentence=waits, digest=""))
         if is_wanted:
             self._left.append(number)
 
@@ -207,7 +209,12 @@ class Schedule:
         progress = self._open[row.submission]
         progress.take(row)
         self._busy.discard(row.submission)
-        self._folder.write(progress.result, row.pictures, row.paths)
+        self._write(progress, row.pictures, row.paths)
+
+    def _write(self, progress: Progress, *files: Any) -> SubmissionResult:
+        place = self._plan.assignment.folder, progress.handed.path, self._folder.folder
+        command = words.grade_command(*place, progress.handed.student)
+        return self._folder.write(replace(progress.result, command=command), *files)
 
     def _next(self, index: int) -> Job | None:
         """Return the next test of a submission; where there is none left, end it."""
@@ -216,8 +223,7 @@ class Schedule:
             self._busy.add(index)
             return job
         del self._open[index]
-        result = progress.result
-        self._folder.write(result)
+        result = self._write(progress)
         self.results.append(result)
         if self._tell is not None:
             self._tell(result, progress.changed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -18,15 +19,23 @@ from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.reports.writing import RESULT, folder_name, write_class, write_student
-from robsim.teach.results import SubmissionResult
+from robsim.teach.results import ByHand, SubmissionResult, TestResult
 from robsim.teach.tasks.solutions import MODULE, module_source
 
 PATHS = "paths.json"
 _MOST = 2**26  # bytes
 
 
+#: The marks by hand of a submission, and the points that a teacher gives.
+Marks = tuple[ByHand, tuple[TestResult, ...]]
+
+
 class ResultFolder:
     """The folders of results, and optionally the file that Gradescope reads."""
+
+    by_hand: Mapping[str, Marks] = MappingProxyType({})  # by student
+    leaderboard = ""
+    teacher_pages = False
 
     def __init__(self, folder: Path, gradescope: Path | None = None) -> None:
         self.folder = folder
@@ -53,17 +62,22 @@ class ResultFolder:
         result: SubmissionResult,
         pictures: Mapping[str, bytes] = MappingProxyType({}),
         paths: Mapping[str, list[list[float]]] = MappingProxyType({}),
-    ) -> None:
+    ) -> SubmissionResult:
+        """Write a result with its marks by hand, and return it."""
+        by_hand, parts = self.by_hand.get(result.student, (ByHand(), ()))
+        result = replace(result, by_hand=by_hand, tests=(*result.tests, *parts))
         place = self.of(result.student)
         place.mkdir(parents=True, exist_ok=True)
         if paths:
             known = {**self.paths(result.student), **paths}
             write_whole(place / PATHS, json.dumps(known).encode())
-        write_student(place, result, pictures=pictures)
+        write_student(place, result, pictures=pictures, teacher_page=self.teacher_pages)
         if self._gradescope is not None:
             files = {one.name: place / one.picture for one in result.tests if one.picture}
             there = {name: file.read_bytes() for name, file in files.items() if file.is_file()}
-            write_gradescope(self._gradescope, result, pictures=there)
+            board = self.leaderboard
+            write_gradescope(self._gradescope, result, pictures=there, leaderboard=board)
+        return result
 
     def paths(self, student: str) -> dict[str, list[list[float]]]:
         try:

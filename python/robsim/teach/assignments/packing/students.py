@@ -1,16 +1,20 @@
-"""`pack_students`: what students get, as a zip or a folder."""
+"""`pack_students`, `pack_feedback`: what students get before and after."""
 
 from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
 
+from robsim.base.checks import check_kind
 from robsim.base.files import as_path
 from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
+from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.making import write_below
 from robsim.teach.assignments.packing.gradescope import write_zip
 from robsim.teach.assignments.packing.public_part import public_part
+from robsim.teach.reports.words import OF_MOODLE
+from robsim.teach.reports.writing import PAGE, TEXT, folder_name
 
 
 def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
@@ -51,3 +55,39 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
         raise FileExistsError(f"{one_line(target)} exists: give another name") from None
     write_below(target, files)
     return target
+
+
+def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | PathLike[str]) -> Path:
+    """Write the pages of students into one zip; nothing hidden is in it.
+
+    Where Moodle has named the submissions, it takes this zip (Upload multiple feedback files in a
+    zip). Others have a folder by their name.
+
+    Parameters
+    ----------
+    result : ClassResult
+        The class.
+    out, path : path
+        The folder with its results, and the zip; an old zip is replaced.
+
+    Raises
+    ------
+    OSError
+        If a page is missing, or the zip cannot be written.
+    """
+    check_kind("result", result, ClassResult)
+    place, target = as_path(out, "out"), as_path(path)
+    files = {
+        f"{folder}/{name}": (place / folder_name(one.student) / name).read_bytes()
+        for one in result.results
+        for folder in _recipients(one.student)
+        for name in (PAGE, TEXT)
+    }
+    write_zip(target, files)
+    return target
+
+
+def _recipients(student: str) -> list[str]:
+    """Return the folders of all who get the pages of a submission."""
+    match = OF_MOODLE.fullmatch(student)
+    return [f"{match['name']}_{match['number']}_assignsubmission_file_" if match else student]
