@@ -4,31 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from robsim.base.checks import Floats
-from robsim.teach.reports.words import Run
 from robsim.teach.results import ScoreResult, TestResult, fraction_of, of_most
-
-
-@dataclass(frozen=True)
-class Floor:
-    """Paths on a floor, for SVG: of each title, kind, points and start; all points come last."""
-
-    view: str
-    radius: float  # of the dot at a start
-    lines: Sequence[tuple[str, str, str, Sequence[float]]]
 
 
 def floor_of(
     paths: Mapping[str, Floats], tests: Mapping[str, TestResult], area: tuple[float, float]
-) -> Floor | None:
-    """Return the paths (N, 2) of students in a test, and the view around all paths."""
-    drawn = sorted(paths.keys() & tests.keys(), key=lambda one: (tests[one].points, one))
-    if not drawn:
-        return None
+) -> tuple[str, float, list[tuple[str, str, str, list[float]]]]:
+    """Return the paths (N, 2) of students in a test, for SVG: view, radius of dots, lines.
+
+    A line has title, kind, points and start; lines with all points are the last.
+    """
+    drawn = sorted(paths, key=lambda student: tests[student].points)
     known = [path[np.isfinite(path).all(axis=1)] for path in map(paths.__getitem__, drawn)]
     corners = np.vstack(known) if any(map(len, known)) else np.array([(0, 0), area])
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -44,7 +35,7 @@ def floor_of(
         for student, path in zip(drawn, known, strict=True)
         if len(path) and (test := tests[student])
     ]
-    return Floor(f"{left:.0f} {top:.0f} {side:.0f} {side:.0f}", side / 160, lines)
+    return f"{left:.0f} {top:.0f} {side:.0f} {side:.0f}", side / 160, lines
 
 
 def shade(points: float, most: float) -> str:
@@ -69,21 +60,14 @@ _EDGE = 1.15  # room beside the outermost of what is shown, a factor
 _WIDEST = 100.0  # what is so many times beyond the limits stands at the edge
 
 
-@dataclass(frozen=True)
-class Scale:
-    """A score between its limits; places are in percent of the width, from the left."""
+def scale_of(score: ScoreResult, runs: Sequence[tuple[float, int, str]]) -> dict[str, Any]:
+    """Return zones, runs, result and ticks on a bar, in percent of its width.
 
-    zones: Sequence[tuple[str, float, float]]  # kind, left, width
-    runs: Sequence[tuple[str, float]]  # text, left
-    result: Sequence[float]
-    ticks: Sequence[tuple[str, float]]  # limit, left
-
-
-def scale_of(score: ScoreResult, runs: Sequence[Run]) -> Scale:
-    """Return the bar; its axis is the logarithm of the statistic: points are linear in that."""
+    The axis is the logarithm of the statistic: points are linear in it.
+    """
     limits = [one for one in (score.low_zero, score.low, score.limit, score.zero) if one]
     least, most = min(limits) / _WIDEST, max(limits) * _WIDEST
-    places = [run.place for run in runs]
+    places = [place for place, *_ in runs]
     result = [score.statistic] if math.isfinite(score.statistic) else []
     shown = [*limits, *(min(max(value, least), most) for value in (*places, *result))]
     if score.low is None:
@@ -102,10 +86,9 @@ def scale_of(score: ScoreResult, runs: Sequence[Run]) -> Scale:
         (kind, at(start), round(at(end) - at(start), 2))
         for (kind, start), end in zip(starts, ends, strict=True)
     ]
-    ticks = [(f"{limit:.3g}", at(limit)) for limit in limits]
-    return Scale(
-        zones,
-        [(f"Run {run.number}: {run.text}", at(run.place)) for run in runs],
-        [*map(at, result)],
-        ticks,
-    )
+    return {
+        "zones": zones,
+        "runs": [(at(place), run, said) for place, run, said in runs],
+        "result": [*map(at, result)],
+        "ticks": [(f"{limit:.3g}", at(limit)) for limit in limits],
+    }

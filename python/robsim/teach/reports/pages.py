@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import statistics
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from statistics import fmean, median
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
@@ -30,6 +30,7 @@ _TEMPLATES = Path(__file__).parent / "templates"
 @cache
 def _environment() -> Environment:
     import jinja2  # here, since only pages need it
+    from markupsafe import Markup
 
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES),
@@ -39,10 +40,16 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    functions = (counts_of, data_uri, fraction_of, number, scale_of, shade)
+    style, script = ((_TEMPLATES / name).read_text("utf-8") for name in ("style.css", "class.js"))
+    environment.globals |= {
+        "words": words,
+        "style": Markup(style),
+        "script": Markup(script),
+        "script_digest": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+    }
+    functions = (counts_of, floor_of, fmean, fraction_of, median, number, quote, scale_of, shade)
     environment.globals |= {function.__name__: function for function in functions}
-    environment.globals |= {"words": words, "mean": statistics.fmean, "median": statistics.median}
-    environment.filters["test_title"] = words.test_title
+    environment.filters |= {name: one for name, one in vars(words).items() if callable(one)}
     return environment
 
 
@@ -53,34 +60,21 @@ def _harmless(value: object) -> object:
 
 
 def rendered(template: str, **values: Any) -> str:
-    """Return a template with values in it."""
     return _environment().get_template(template).render(values)
 
 
-def _page(template: str, script: str = "", **values: Any) -> str:
-    """Return a page that needs no other file, and runs only its script of this package."""
-    code = (_TEMPLATES / script).read_text("utf-8") if script else ""
-    digest = base64.b64encode(hashlib.sha256(code.encode()).digest()).decode("ascii")
-    values["script_source"] = f"'sha256-{digest}'" if code else "'none'"
-    style = (_TEMPLATES / "style.css").read_text("utf-8")
-    return rendered(template, style=_markup(style), script=_markup(code), **values)
-
-
-def _markup(text: str) -> str:
+def data_uri(png: bytes) -> str:
     from markupsafe import Markup
 
-    return Markup(text)
-
-
-def data_uri(png: bytes) -> str:
-    return _markup("data:image/png;base64," + base64.b64encode(png).decode("ascii"))
+    return Markup("data:image/png;base64," + base64.b64encode(png).decode("ascii"))
 
 
 def student_page(
     result: SubmissionResult, pictures: Mapping[str, bytes], *, for_teacher: bool = False
 ) -> str:
     """Return the page as HTML, with PNG files by test; `for_student` makes a student's result."""
-    return _page("student.html", result=result, pictures=pictures, for_teacher=for_teacher)
+    shown = {name: data_uri(png) for name, png in pictures.items()}
+    return rendered("student.html", result=result, pictures=shown, for_teacher=for_teacher)
 
 
 def class_page(
@@ -96,29 +90,15 @@ def class_page(
     `paths` lie on the floor `area`. `links` lead to the pages of students, relative to this page.
     Without a comparison of programs `pairs` is None.
     """
-    tests = {test.name: test for result in results[::-1] for test in result.tests}
     columns = []
-    for name, test in tests.items():
+    for name, test in {test.name: test for r in results[::-1] for test in r.tests}.items():
         of = {r.student: one for r in results for one in r.tests if one.name == name}
         graded = {who: one for who, one in of.items() if one.status not in (ERROR, NOT_RUN)}
-        short = [who for who, one in graded.items() if one.points < one.most]
-        columns.append(
-            {
-                "test": test,
-                "of": of,
-                "graded": graded,
-                "short": sorted(short, key=lambda who: (graded[who].points, who)),
-                "floor": floor_of((paths or {}).get(name, {}), of, area),
-            }
-        )
-    return _page(
-        "class.html",
-        "class.js",
-        results=results,
-        columns=columns,
-        area=area,
-        near={r.student for r in results if any(map(words.is_near, r.tests))},
-        isolations=sorted({words.isolation_text(each) for each in results} - {""}),
-        pairs=pairs,
-        links={name: quote(link, errors="surrogatepass") for name, link in (links or {}).items()},
-    )
+        short = sorted((one.points, who) for who, one in graded.items() if one.points < one.most)
+        drawn = (paths or {}).get(name, {})
+        drawn = {who: drawn[who] for who in of if who in drawn}
+        column = {"test": test, "of": of, "graded": graded, "short": short, "paths": drawn}
+        columns.append(column | {"title": words.test_title(test)})
+    near = {result.student for result in results if any(map(words.is_near, result.tests))}
+    values = {"results": results, "columns": columns, "near": near, "area": area, "pairs": pairs}
+    return rendered("class.html", **values, links=links or {})

@@ -8,7 +8,6 @@ import re
 import shlex
 import statistics
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from robsim.base.report import percent
@@ -84,11 +83,6 @@ def by_hand(result: SubmissionResult) -> list[str]:
     return [*told, f"Comment: {hand.comment}"] if hand.comment else told
 
 
-def all_notes(result: SubmissionResult) -> list[str]:
-    waiting = "" if result.is_done else "Not all tests have been run yet."
-    return [note for note in (waiting, not_graded(result), *notes(result)) if note]
-
-
 def sentence(result: SubmissionResult, test: TestResult) -> str:
     """Return what is to be said of a test, if `notes` do not say it of all."""
     return "" if result.is_unread else test.sentence
@@ -155,17 +149,11 @@ def _right(lost: float) -> float:
     return max(1 - lost / 100, 1e-3)
 
 
-@dataclass(frozen=True)
-class Run:
-    """A run that came through; its place is on the axis of the statistic."""
+def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]]:
+    """Return the runs that came through: place on the axis of the statistic, number, value.
 
-    place: float
-    number: int
-    text: str
-
-
-def runs_of(score: ScoreResult, test: TestResult) -> list[Run]:
-    """Return the runs of a test that came through, the worst run last."""
+    The worst run is the last.
+    """
     failed = {run.run for run in test.failed}
     through = [run for run in range(test.runs) if run not in failed]
     runs = []
@@ -177,8 +165,8 @@ def runs_of(score: ScoreResult, test: TestResult) -> list[Run]:
             place = value / reference if reference else math.nan
             said += f", {_ratio(place)} times the reference"
         if math.isfinite(place):
-            runs.append(Run(place, run, said))
-    return sorted(runs, key=lambda run: _excess(score, run.place))
+            runs.append((place, run, said))
+    return sorted(runs, key=lambda run: _excess(score, run[0]))
 
 
 def _excess(score: ScoreResult, statistic: float) -> float:
@@ -334,10 +322,3 @@ def facts(result: SubmissionResult) -> dict[str, str]:
 
 def _digest(digest: str) -> str:
     return f"SHA-256 {digest[:16]}" if digest else ""
-
-
-def spread(points: Sequence[float], counts: Sequence[int], most: float) -> str:
-    if not points:
-        return "no submission"
-    middle = number(round(statistics.median(points), 2))
-    return f"median {middle} of {number(most)}; all points: {counts[-1]}, none: {counts[0]}"
