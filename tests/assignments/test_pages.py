@@ -194,6 +194,9 @@ def test_a_dot_has_the_number_of_its_run_and_lies_where_its_run_alone_would_be()
     assert float(worst[0]) > float(none)
     assert worst[1] == "9"
     assert "Run 9 is the worst, with 60 %" in Outline(page).text
+    unknown = score(values=(float("nan"), 9.0), reference=(2.0, 2.0))
+    page = student_page(submission(tests=[graded(scores=(unknown,), failed=())]), {})
+    assert "Run 0 is the worst, with no value" in page
 
 
 def test_of_a_score_that_loses_points_it_is_said_what_all_points_need():

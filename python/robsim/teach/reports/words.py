@@ -159,12 +159,14 @@ def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]
     runs = []
     for run, value, reference in zip(through, score.values, score.reference, strict=False):
         place, said = value, f"{value:.3g} {score.unit}".rstrip()
-        if not score.share:
+        if not math.isfinite(value):
+            place, said = math.inf, "no value"
+        elif not score.share:
             place = _right(reference) / _right(value)
         elif score.low is None:
             place = value / reference if reference else math.nan
             said += f", {_ratio(place)} times the reference"
-        if math.isfinite(place):
+        if not math.isnan(place):
             runs.append((place, run, said))
     return sorted(runs, key=lambda run: _excess(score, run[0]))
 
