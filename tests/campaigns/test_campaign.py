@@ -20,6 +20,13 @@ def by_hand(run, **options):
     return robsim.Simulation(scenario, **options).run(20)
 
 
+def blobs_seen(trace):
+    return {
+        "red": float(np.nansum(trace.blobs["red"])),
+        "sum": float(np.nansum(trace.pose_measured)) + float(trace.pose_true.sum()),
+    }
+
+
 def test_rows_are_those_of_single_simulations_in_the_order_cases_x_runs():
     vary = {"motor_delay": [0, 1.5], "control": {"mine": Faster, "default": robsim.DriveAround()}}
     result = campaign(SCENARIO, vary=vary, metrics=[final], **OPTIONS)
@@ -38,6 +45,44 @@ def test_rows_are_those_of_single_simulations_in_the_order_cases_x_runs():
         trace = by_hand(run, motor_delay=(0, 1.5)[delay], **made)
         assert result["final_x"][row] == trace.pose_true[-1, 0]
         assert result["final_y"][row] == trace.pose_true[-1, 1]
+
+
+def test_cases_of_a_robot_half_see_the_same_frames_drawn_once():
+    world = SCENARIO.replace(
+        noise=robsim.GaussianNoise(10), dropout=robsim.Dropout(0.3), estimate_parameters=None
+    )
+    seen = {"plain": [], "again": []}  # frames that are kept are not drawn over
+
+    def looking(frames):
+        def measure(step):
+            frames.append(step.frame)
+            return robsim.locate(step.blobs, step.markers) if step.k % 2 else None
+
+        return lambda: measure
+
+    vary = {
+        "measure": {"none": lambda: lambda step: None} | {k: looking(v) for k, v in seen.items()}
+    }
+    result = campaign(world, vary=vary, metrics=[blobs_seen], **OPTIONS)
+    assert set(result["error"]) == {None}
+    for first, second in zip(*seen.values(), strict=True):
+        assert np.shares_memory(first.image, second.image)
+    for name, case in vary["measure"].items():
+        alone = campaign(world, vary={"measure": {name: case}}, metrics=[blobs_seen], **OPTIONS)
+        rows = result["measure"] == name
+        np.testing.assert_array_equal(alone["blobs_seen_sum"], result["blobs_seen_sum"][rows])
+        np.testing.assert_array_equal(alone["blobs_seen_red"], result["blobs_seen_red"][rows])
+    assert len(set(result["blobs_seen_sum"])) > 6
+
+
+def test_cases_that_drive_elsewhere_see_their_own_frames():
+    controls = {"a": Faster, "b": lambda: steady}
+    world = SCENARIO.replace(noise=robsim.GaussianNoise(10), measure=True, estimate_parameters=None)
+    both = campaign(world, vary={"control": controls}, metrics="tracking", **OPTIONS)
+    for name, control in controls.items():
+        alone = campaign(world, vary={"control": {name: control}}, metrics="tracking", **OPTIONS)
+        rows = both["control"] == name
+        np.testing.assert_array_equal(alone["tracking_rmse_xy"], both["tracking_rmse_xy"][rows])
 
 
 def test_run_i_has_the_same_seed_in_every_case_and_whatever_the_number_of_runs():

@@ -198,6 +198,9 @@ void bind_loop(py::module_& module) {
   set_interpreter_lock({&release_interpreter, &acquire_interpreter});
   py::module_::import("atexit").attr("register")(py::cpp_function(&end_all_runs));
 
+  Class<Sights, std::shared_ptr<Sights>>(public_in(module, "robsim._core"), "Sights",
+                                         "Frames and detections of a run, for other runs.")
+      .def(py::init<>());
   Class<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
                      "The loop. Users take robsim.Simulation or robsim.Experiment.",
                      py::custom_type_setup(&collect_garbage<SlottedLoop>))
@@ -246,6 +249,8 @@ void bind_loop(py::module_& module) {
           "observer"_a,
           "Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after "
           "each step, with None for what there is not; observer None = nobody.")
+      .def("share", &SlottedLoop::share, "sights"_a,
+           "Let the next runs see what others of the same world and seed have seen.")
       .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
       .def(
           "run",

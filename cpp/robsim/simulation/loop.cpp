@@ -76,6 +76,11 @@ void Loop::set_observer(Observer observer) {
   observer_ = std::move(observer);
 }
 
+void Loop::share(std::shared_ptr<Sights> sights) {
+  guard_->check_idle("shared sights");
+  sights_ = std::move(sights);
+}
+
 void Loop::start() {
   if (has_started()) return;
   const RunGuard::Run run(*guard_);
@@ -250,6 +255,9 @@ Arrival Loop::begin_step() {
   const double gap = k > 0 ? t - robot_.step()->t : dt;
   follows_stop_ = std::exchange(is_interrupted_, false) || observation_.interrupted;
   robot_.begin_step(k, interval(gap, t, dt, follows_stop_), observation_, camera_);
+  if (const Truth* truth = world_->truth(); truth && sights_) {
+    robot_.step()->known = sights_->at(*truth);
+  }
   samples_.begin(*robot_.step(), robot_.model(), observation_.last_u, follows_stop_,
                  world_->is_live());
   return Arrival::step;
@@ -279,7 +287,9 @@ void Loop::end_step() {
 
 void Loop::keep_step(const std::optional<double>& t_sent) {
   const StepPointer& step = robot_.step();
-  samples_.add(*step, world_->truth());
+  const Truth* truth = world_->truth();
+  if (truth && sights_) sights_->keep(*truth, *step);
+  samples_.add(*step, truth);
   recorder_.record(*world_, robot_, observation_, t_sent, follows_stop_);
   if (observer_) observer_({step, observation_.t_arrival, t_sent, follows_stop_});
 }

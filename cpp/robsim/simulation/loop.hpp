@@ -9,6 +9,7 @@
 #include "robsim/simulation/robot/robot_software.hpp"
 #include "robsim/simulation/sample_history.hpp"
 #include "robsim/simulation/seam/world.hpp"
+#include "robsim/simulation/sights.hpp"
 
 namespace robsim {
 
@@ -42,6 +43,10 @@ class Loop {
 
   /// Says who is told of each step when it is over. Throws std::runtime_error during a run.
   void set_observer(Observer observer);
+
+  /// The next runs take known frames and detections from there, and add theirs. Throws
+  /// std::runtime_error during a run.
+  void share(std::shared_ptr<Sights> sights);
 
   /// Does what comes once, at the start, if that has not been done yet.
   void start();
@@ -100,6 +105,7 @@ class Loop {
   SampleHistory samples_;
   Recorder recorder_;
   Observer observer_;
+  std::shared_ptr<Sights> sights_;
   bool has_witness_ = true;      // a callback may look at each step
   bool is_interrupted_ = false;  // the robot was stopped since the newest step began
   Observation observation_;      // of the newest step

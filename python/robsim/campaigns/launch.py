@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
+from operator import itemgetter
 from os import PathLike
 from typing import Any, NoReturn
 
@@ -180,6 +181,8 @@ def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops
         if isinstance(engine, int):
             check_can_be_sent(spec)
         jobs = Chunks(store.missing())
+        if spec._shares_frames:  # run by run, then, and not case by case
+            jobs = Chunks(sorted(store.missing(), key=itemgetter(1)), together=len(spec.cases))
         with closing(rows_by(engine, CampaignWork(spec), jobs)) as chunks:
             for rows in chunks:
                 wrong = [row for row in rows if row.error is not None]

@@ -6,6 +6,7 @@ import time
 from contextlib import ExitStack
 from typing import NamedTuple
 
+from robsim._core import Sights
 from robsim.base.source_line import line_of_error
 from robsim.base.text import one_line, quoted, said_by
 from robsim.campaigns._metrics import numbers_of
@@ -50,6 +51,7 @@ class CaseRuns:
         self._named = set(choices)
         self._slots = {*choices, *(slot for folder in folders for slot in folder.slots)}
         self._simulation: Simulation | None = None
+        self.sights: Sights | None = None  # of the same run of other cases
 
     def trace(self, run: int) -> Trace:
         """Run, and return the trace."""
@@ -64,6 +66,8 @@ class CaseRuns:
         else:
             self._simulation.reset(seed=seed)
         simulation, self._simulation = self._simulation, None
+        if self.sights is not None:
+            simulation._core.share(self.sights)
         with ExitStack() as stack:
             for folder in self._folders:
                 for slot, callback in stack.enter_context(folder.callbacks()).items():
@@ -107,17 +111,24 @@ class CaseRuns:
 
 
 class Worker:
-    """Runs of any cases; the simulation of the last case is kept."""
+    """Runs of any cases; the simulation of the last case is kept, or those that share frames."""
 
     def __init__(self, spec: CampaignSpec) -> None:
         self._spec = spec
-        self._runs: CaseRuns | None = None
+        self._runs: dict[int, CaseRuns] = {}
+        self._run, self._sights = -1, Sights()
 
     def row(self, job: Job) -> Row:
         case, run = job
-        if self._runs is None or self._runs.case.index != case:
-            self._runs = CaseRuns(self._spec, self._spec.cases[case])
-        return self._runs.row(run)
+        if case not in self._runs:
+            if not self._spec._shares_frames:
+                self._runs.clear()
+            self._runs[case] = CaseRuns(self._spec, self._spec.cases[case])
+        if self._spec._shares_frames:
+            if run != self._run:
+                self._run, self._sights = run, Sights()
+            self._runs[case].sights = self._sights
+        return self._runs[case].row(run)
 
 
 def _line_of(error: BaseException) -> str | None:

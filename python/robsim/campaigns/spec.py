@@ -137,6 +137,14 @@ class CampaignSpec:
         """The names of columns that no metric may have."""
         return frozenset((*ROW_COLUMNS, *self.vary))
 
+    @cached_property
+    def _shares_frames(self) -> bool:
+        """Whether cases differ in code alone that changes no frame, so that all see the same."""
+        assert self.scenario is not None
+        if self.scenario.camera_delay or len(self.cases) == 1:
+            return False
+        return all(_only_looks(one) for options in self.vary.values() for one in options.values())
+
     def _chosen(self, case: Case) -> dict[str, Choice]:
         return {name: self.vary[name][label] for name, label in case.labels.items()}
 
@@ -179,6 +187,15 @@ class CampaignSpec:
             f"<CampaignSpec: {len(self.cases)} cases x {self.runs} runs of {self.steps} steps, "
             f"metrics {', '.join(self.metrics)}>"
         )
+
+
+_LOOKING = {"init_parameter_estimator", "estimate_parameters", "measure", "estimate_state"}
+
+
+def _only_looks(choice: Choice) -> bool:
+    if isinstance(choice, Folder):
+        return _LOOKING.issuperset(choice.sources.keys() & set(choice.slots))
+    return isinstance(choice, (Callback, Factory)) and choice.slot in _LOOKING
 
 
 def description_of(spec: CampaignSpec) -> dict[str, Any]:

@@ -22,7 +22,7 @@ std::int64_t pixels_of(const Frame& frame) {
 const Frame* Step::look() {
   const auto alone = is_over ? std::nullopt : std::optional<RunGuard::Look>(std::in_place, *guard);
   if (!has_frame) return nullptr;
-  if (!frame) frame = open_camera("frame").frame();
+  if (!frame) frame = known ? known->frame : open_camera("frame").frame();
   return &*frame;
 }
 
@@ -34,7 +34,7 @@ const BlobsByColor& Step::find_blobs() {
     MarkerVision& finder = open_vision();
     const Frame& seen = *look();
     const NativeWork native(pixels_of(seen));
-    blobs = finder.find(seen);
+    blobs = known && known->blobs ? known->blobs : finder.find(seen);
   } else {
     blobs.emplace();
     if (!vision) return *blobs;
@@ -65,11 +65,14 @@ const std::optional<Sample>& Step::find_sample() {
 }
 
 std::optional<Measurement> Step::detect() {
-  const MarkerVision& known = open_vision();
+  const MarkerVision& by = open_vision();
   const Frame& seen = *look();
   const NativeWork native(pixels_of(seen));
-  detection =
-      robsim::detect(find_blobs(), known.markers(), seen, known.colors(), known.smoothing());
+  const BlobsByColor& found = find_blobs();
+  if (known) detection = known->detection;
+  if (!detection) {
+    detection = robsim::detect(found, by.markers(), seen, by.colors(), by.smoothing());
+  }
   return detection->measurement;
 }
 
@@ -101,11 +104,13 @@ void Step::begin(const std::shared_ptr<Camera>& the_camera) {
   u.reset();
   frame.reset();
   blobs.reset();
+  known.reset();
   if (camera != the_camera) camera = the_camera;  // counting references costs time
 }
 
 void Step::end() {
   camera.reset();
+  known.reset();
   is_over = true;
 }
 

@@ -39,6 +39,13 @@ struct Moves {
   KnownTurn turn;  // of pose_1
 };
 
+/// A frame, and the detection in it.
+struct Sight {
+  Frame frame;
+  std::optional<BlobsByColor> blobs;
+  std::optional<Detection> detection;
+};
+
 /// What the robot half may know of a step. It fills up from stage to stage.
 struct Step {
   /// `marker_vision` may be missing: such a step has no markers.
@@ -63,6 +70,7 @@ struct Step {
   bool has_frame = true;  // one has come
   std::optional<Frame> frame;
   std::optional<BlobsByColor> blobs;
+  std::shared_ptr<const Sight> known;  // from another run, which saw the same frame
 
   /// The frame, made when first asked for; null if none has come. Throws std::runtime_error if the
   /// step is over and nobody looked.

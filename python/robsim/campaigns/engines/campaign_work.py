@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import sys
 from collections.abc import Callable, Iterable, Sequence
@@ -60,15 +61,19 @@ def size_for(seconds: float) -> int:
 
 
 class Chunks:
-    """The runs that are still to be done, in their order: case and number of each."""
+    """The runs that are still to be done, in their order: case and number of each.
 
-    def __init__(self, jobs: Iterable[Job]) -> None:
-        self._jobs, self._size = iter(jobs), 1
+    So many of them stay `together`.
+    """
+
+    def __init__(self, jobs: Iterable[Job], together: int = 1) -> None:
+        self._jobs, self._size, self._together = iter(jobs), 1, together
         self._runs, self._seconds = 0, 0.0
 
     def take(self) -> list[Job]:
         """Take the next chunk; empty = nothing is left."""
-        return list(islice(self._jobs, self._size))
+        groups = math.ceil(self._size / self._together)
+        return list(islice(self._jobs, groups * self._together))
 
     def note(self, rows: Sequence[Row]) -> None:
         """Learn from the rows of a chunk how many runs the next ones may have."""
