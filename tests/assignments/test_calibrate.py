@@ -5,6 +5,7 @@ import pytest
 from commands import command
 from robsim.teach import AssignmentError, Key, calibrate_assignment, load_assignment, new_assignment
 from robsim.teach.assignments import calibration as calibration
+from robsim.teach.tasks.marks.calibration import shipped_calibrations
 
 QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 
@@ -13,7 +14,8 @@ QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 def _few(monkeypatch):
     """As few tests as show that it works."""
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
-    monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 2)
+    for name in ("WRONG_TESTS", "FIRST_TESTS", "MORE_TESTS"):
+        monkeypatch.setattr(f"robsim.teach.tasks.marks.calibrate.{name}", 2)
 
 
 @pytest.fixture
@@ -27,20 +29,33 @@ def folder(tmp_path):
 
 @pytest.mark.long
 def test_limits_are_written_with_what_they_rest_on(folder):
+    few = calibrate_assignment(folder, **QUICK, provisional=True)
+    made = load_assignment(folder)
+    for test in made.tests:
+        assert dict(test.limits) == dict(few[test.name].limits)
+        assert "few tests" in test.provisional
+    assert (folder / ".calibrating").exists()  # for the exact ones
     found = calibrate_assignment(folder, **QUICK)
     assert set(found) == {"public", "hidden"}
     assert found["public"] is found["hidden"]  # the same task
     made = load_assignment(folder)
     for test in made.tests:
         assert dict(test.limits) == dict(found[test.name].limits)
-        assert test.stale == ""
+        assert test.stale == test.provisional == ""
     assert not (folder / ".calibrating").exists()
     reference = folder / "solutions/estimate/right/reference/estimate_state.py"
     reference.write_text(reference.read_text() + "\n# another one\n")
     assert load_assignment(folder).tests[0].stale
-    run = command("assignment", "check", str(folder))
+    run = command("assignment", "check", str(folder), "--jobs", "1")
     assert run.exit_code == 2
     assert "calibrate again" in run.stderr
+
+
+def test_a_new_assignment_has_the_limits_of_the_shipped_task(tmp_path):
+    for test in new_assignment("measure", tmp_path / "hw1", seed=1).tests:
+        assert dict(test.limits) == dict(shipped_calibrations()["measure"].limits)
+        assert test.stale == ""
+        assert "ships with robsim" in test.provisional
 
 
 @pytest.mark.slow
@@ -90,7 +105,7 @@ def test_one_that_is_ended_goes_on(folder, monkeypatch):
 @pytest.mark.long
 def test_the_command_calibrates(folder):
     words = ("assignment", "calibrate", str(folder), "--confidence", "0.5", "--false-fail")
-    run = command(*words, "0.5")
+    run = command(*words, "0.5", "--jobs", "1")
     assert run.exit_code == 0, run.stderr
     assert "public, hidden" in run.stdout
     assert all(test.limits for test in load_assignment(folder).tests)

@@ -111,7 +111,9 @@ def test_what_is_hidden_is_found_wherever_it_was_copied_to(calibrated, secret, t
 
 
 def test_without_limits_nothing_is_packed(tmp_path):
-    made = new_assignment("estimate", tmp_path / "hw1")
+    folder = new_assignment("estimate", tmp_path / "hw1").folder
+    (folder / "limits.json").unlink()
+    made = load_assignment(folder)
     for pack in (pack_students, pack_gradescope):
         with pytest.raises(AssignmentError, match=r"public.*limit"):
             pack(made, tmp_path / "packed.zip")

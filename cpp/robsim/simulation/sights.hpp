@@ -15,7 +15,7 @@ namespace robsim {
 /// As long as the robot takes the same path, these have the same frames.
 class Sights {
  public:
-  /// The known frame of this truth; null if there is none.
+  /// The known frame of this truth; null if it is missing.
   std::shared_ptr<const Sight> at(const Truth& truth) const;
 
   /// Keeps the frame of a step, if there is room: frames take up to 128 MB.

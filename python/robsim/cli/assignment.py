@@ -6,13 +6,13 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from robsim.cli import errors
 from robsim.cli.command import command, command_group
-from robsim.cli.shared import Jobs, Json, engine_of
+from robsim.cli.shared import AllJobs, Json, engine_of
 
 if TYPE_CHECKING:
     from robsim.teach.tasks import TaskCalibration
@@ -32,38 +32,39 @@ def report_errors() -> Iterator[None]:
 
 
 def calibrate(
-    folder: Folder, false_fail: float = 0.01, confidence: float = 0.95, jobs: Jobs = 1
+    folder: Folder,
+    false_fail: float = 0.01,
+    confidence: float = 0.95,
+    provisional: bool = False,
+    jobs: AllJobs = None,
 ) -> None:
     """Find from which score on there are points, and write limits.json.
 
     The right solutions in solutions/ are run until their limits are known: an equally good solution
     hardly ever misses these, for any distribution of the scores. Then the wrong ones are run, to
-    print in how many tests each has less than full points. Ctrl-C loses nothing: the same command
-    continues.
+    print in how many tests each has less than full points. It takes some minutes. Ctrl-C loses
+    nothing: the same command continues. Then robsim grade --regrade marks by the new limits what
+    was graded by provisional ones.
 
     --false-fail SHARE: How often a right solution may have less than full points in a test, at
         most. A tenth of it takes ten times as long.
     --confidence SHARE: In how many calibrations of 1 that is kept.
+    --provisional: Make provisional limits in a minute or two, from fewer tests.
 
-    Example: robsim assignment calibrate hw1 --jobs 2
+    Example: robsim assignment calibrate hw1
     """
     with report_errors():
-        calibrate_and_print(folder, jobs=jobs, false_fail=false_fail, confidence=confidence)
+        given = {"false_fail": false_fail, "confidence": confidence, "provisional": provisional}
+        calibrate_and_print(folder, jobs=jobs, **given)
 
 
-def calibrate_and_print(
-    folder: Path, *, jobs: int, false_fail: float = 0.01, confidence: float = 0.95
-) -> None:
+def calibrate_and_print(folder: Path, *, jobs: int | None, **options: Any) -> None:
     """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
     from robsim.teach.assignments import calibrate_assignment
 
     try:
         found = calibrate_assignment(
-            folder,
-            false_fail=false_fail,
-            confidence=confidence,
-            executor=engine_of(jobs),
-            on_begin=_tell_how_long,
+            folder, executor=engine_of(jobs), on_begin=_tell_how_long, **options
         )
     except KeyboardInterrupt:
         errors.print_note(f"to go on: robsim assignment calibrate {folder}")
@@ -106,19 +107,20 @@ def new(
     name: str | None = None,
     no_calibrate: bool = False,
     seed: int | None = None,
-    jobs: Jobs = 1,
+    jobs: AllJobs = None,
 ) -> None:
     """Make the folder of a new assignment.
 
     TEMPLATE is park, follow, identify, measure or estimate. The folder gets its own key and
-    numbers, a sheet, right and wrong solutions, a public and a hidden test, and limits. To
-    calibrate the limits takes 10 to 30 minutes: Ctrl-C leaves a folder that robsim assignment
-    calibrate completes. README.md describes the files.
+    numbers, a sheet, right and wrong solutions, a public and a hidden test, and provisional limits.
+    At once these are the limits of the task that ships with robsim, after a minute or two its own.
+    All commands work with provisional limits, and name them. robsim assignment calibrate makes
+    exact ones. README.md describes the files.
 
     TEMPLATE: What students are to do.
     FOLDER: The folder, which is made.
     --name TEXT: Name of the assignment. Default: the folder's.
-    --no-calibrate: Leave that to robsim assignment calibrate.
+    --no-calibrate: Keep the limits of the task that ships with robsim.
     --seed N: Seed of the drawn numbers, but not of the key. Default: another one each time.
 
     Example: robsim assignment new park hw1
@@ -127,19 +129,20 @@ def new(
 
     with report_errors():
         made = new_assignment(template, folder, name=name, seed=seed)
-        errors.say(f"written to {folder}: {made.title}, {_drawn(made.tests[0].task.parameters)}")
+        test = made.tests[0]
+        errors.say(f"written to {folder}: {made.title}, {_drawn(test.task.parameters)}")
+        errors.say(f"to look at: sheet.md, assignment.toml, start/, solutions/; {test.provisional}")
+        sys.stdout.flush()
         if not no_calibrate:
-            calibrate_and_print(folder, jobs=jobs)
-            errors.say(f"next: robsim assignment check {folder}")
-            return
-    errors.say(f"next: robsim assignment calibrate {folder}")
+            calibrate_and_print(folder, jobs=jobs, provisional=True)
+    errors.say(f"next: robsim assignment check {folder}; robsim assignment calibrate {folder}")
 
 
 def _drawn(parameters: dict[str, object]) -> str:
     return ", ".join(f"{key} {value}" for key, value in parameters.items())
 
 
-def check(folder: Folder, jobs: Jobs = 1, as_json: Json = False) -> None:
+def check(folder: Folder, jobs: AllJobs = None, as_json: Json = False) -> None:
     """Check an assignment before you rely on it.
 
     It grades a class of all known cases. Right solutions, one also as a notebook, must get all
@@ -189,6 +192,8 @@ def pack(
         if install is not None and gradescope is None:
             raise ValueError("--install is for an autograder: give --gradescope ZIP, too")
         assignment = load_assignment(folder)
+        for said in sorted({test.provisional for test in assignment.tests} - {""}):
+            errors.print_note(f"warning: {said}")
         if students is not None:
             pack_students(assignment, students)
             errors.say(f"for students: {students}")

@@ -110,6 +110,10 @@ CallLimit = Annotated[
     "--time-limit SECONDS: Maximum duration of a call of one of your callbacks. Default: none.",
 ]
 Jobs = Annotated[int, "--jobs N: Number of processes."]
+#: As many as there are cores, unless it is given.
+AllJobs = Annotated[
+    int | None, "--jobs N: Number of processes. Default: the cores that this one may use."
+]
 Out = Annotated[Path, "--out FOLDER: Folder for the results."]
 Json = Annotated[bool, "--json: Print only the numbers, as JSON."]
 
@@ -140,8 +144,12 @@ def check_unit(
             )
 
 
-def engine_of(jobs: int) -> int | None:
-    """Return the executor of a number of processes."""
+def engine_of(jobs: int | None) -> int | None:
+    """Return the executor of a number of processes; None = as many as there are cores."""
+    if jobs is None:
+        from robsim.campaigns.engines.engine import processors
+
+        jobs = processors()
     if jobs < 1:
         raise ValueError(f"--jobs must be at least 1, got {jobs}")
     return jobs if jobs > 1 else None

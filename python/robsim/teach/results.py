@@ -114,6 +114,8 @@ class TestResult:
         Whether students have it, too. Of others nothing but points and `sentence` is theirs to see.
     points, most : float
         What it got, in hundredths, of how many: only all are all, and only none are none.
+    provisional : str
+        Why the limits of its points are provisional; "" = they are not.
     status : str
         ``"passed"`` (all points), ``"partial"``, ``"failed"`` (none), ``"error"`` (the assignment
         or the grader failed: no points are lost or won), ``"not run"``.
@@ -154,6 +156,7 @@ class TestResult:
     public: bool = True
     points: float
     most: float
+    provisional: str = ""
     status: str
     sentence: str = ""
     whose: str | None = None

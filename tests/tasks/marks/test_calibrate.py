@@ -29,10 +29,12 @@ def few_tests():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 10)
         patch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 12)
+        patch.setattr("robsim.teach.tasks.marks.calibrate.FIRST_TESTS", 4)
+        patch.setattr("robsim.teach.tasks.marks.calibrate.MORE_TESTS", 6)
         yield
 
 
-def calibrated(keep):
+def calibrated(keep, **more):
     return calibrate_task(
         TASK,
         SOLUTIONS,
@@ -42,6 +44,7 @@ def calibrated(keep):
         seed=5,
         store=keep / "runs",
         progress=False,
+        **more,
     )
 
 
@@ -83,6 +86,23 @@ def test_the_same_call_goes_on_with_the_runs_that_are_kept(calibration, keep, mo
 
     monkeypatch.setattr("robsim.campaigns.runs.CaseRuns.row", refuse)
     assert calibrated(keep) == calibration
+
+
+def test_provisional_limits_come_from_few_tests_which_the_exact_ones_go_on_from(
+    calibration, keep, tmp_path
+):
+    few = calibrated(tmp_path, provisional=True)
+    assert (few.provisional, few.rank, few.tests) == ("normal bound", 0, 10)
+    assert few.why_provisional in few.remarks
+    assert calibration.why_provisional == ""
+    marks = {one.name: one for one in few.solutions}
+    # No test is passed, and points end at the median of naive.
+    assert (marks["naive"].tests, marks["no_q"].tests) == (6, 4)
+    assert 1 <= few.limits["position"].full < marks["naive"].statistics["position"]
+    assert TaskCalibration.from_record(json.loads(json.dumps(few.as_record()))) == few
+    with pytest.raises(ValueError, match="provisional"):
+        TaskCalibration.from_record(few.as_record() | {"provisional": "guess"})
+    assert calibrated(tmp_path) == calibration  # as if these had not been run before
 
 
 def test_a_file_has_all_of_it(calibration, tmp_path):

@@ -8,7 +8,13 @@ import robsim
 from grading_promises import calibration, files, promises, tolerance
 from robsim.teach import EstimateTask, MeasureTask, ScoreLimit, task, try_solution
 from robsim.teach.tasks.marks import sets
-from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from, share_interval
+from robsim.teach.tasks.marks.limits import (
+    bound_rank,
+    fewest_values,
+    limits_from,
+    normal_bound,
+    share_interval,
+)
 from sizes import thorough
 
 # --- tolerance bounds
@@ -45,6 +51,24 @@ def test_the_interval_of_a_share_is_the_exact_one():
         assert share_interval(count, n) == pytest.approx((expected.low, expected.high))
 
 
+@pytest.mark.parametrize(("n", "factor"), [(10, 3.981), (30, 3.064), (60, 2.807)])
+def test_the_normal_bound_of_a_score_is_that_of_the_tables(n, factor, rng):
+    values = rng.normal(3, 2, size=(1, n, 1))
+    expected = values.mean() + factor * values.std(ddof=1)
+    assert normal_bound(values, 0.01, 0.95) == pytest.approx(expected, abs=2e-3)
+    never = np.concatenate([values, np.zeros((1, n, 1))])  # the reference on its own runs
+    assert normal_bound(never, 0.01, 0.95) == pytest.approx(expected, abs=2e-3)
+
+
+def test_the_normal_bound_of_several_scores_is_exceeded_as_rarely_as_promised(rng):
+    mix = np.array([[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.5, 0.9]])
+    fresh = (rng.normal(size=(40_000, 3)) @ mix.T).max(axis=1)
+    bounds = [normal_bound(rng.normal(size=(1, 30, 3)) @ mix.T, 0.05, 0.9) for _ in range(400)]
+    too_often = sum(np.mean(fresh > one) > 0.05 for one in bounds)
+    assert binomtest(too_often, 400, 0.1, alternative="greater").pvalue > 1e-4
+    assert too_often > 4  # and not for being far too large
+
+
 # --- limits
 
 
@@ -73,7 +97,7 @@ def test_right_solutions_fail_as_rarely_as_promised_whatever_the_distribution(rn
     rates = []
     for trial in range(300):
         right = [as_sets(skewed(rng, PILOT + n, **kind)) for kind in kinds]
-        limits = limits_from(task, right, [naive], PILOT, rank=1)
+        limits = limits_from(task, right, [naive], PILOT, 1)
         full = [limits[score.name].full for score in task.scores]
         low = limits["consistency"].low
         fails = [((one > full).any(axis=1) | (one[:, 2] < low)).mean() for one in fresh]
@@ -91,12 +115,12 @@ def test_of_right_solutions_the_worst_test_of_all_sets_the_limits():
     rows[:PILOT, 0] = np.exp(0.04 * np.tile([1, -1], PILOT // 2))
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
     rows[-1] = np.exp([0.24, 0.0, 0.0])  # two units of 3 x 0.04
-    limits = limits_from(task, [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, rank=1)
+    limits = limits_from(task, [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, 1)
     assert limits["position"].full == pytest.approx(np.exp(0.24))
     assert limits["heading"].full == pytest.approx(np.exp(0.6))  # as many units of its own
     assert limits["lost"].full == pytest.approx(1.1**2)  # a unit is that much at least
     assert as_sets(rows[PILOT:]).points(task.scores, limits).tolist() == pytest.approx([1] * 5)
-    second = limits_from(task, [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, rank=2)
+    second = limits_from(task, [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, 2)
     assert second["position"].full == pytest.approx(1.01)
 
 
@@ -104,9 +128,7 @@ def test_a_score_that_hardly_ever_differs_does_not_scale_the_limits_of_others():
     rows = np.full((PILOT + 5, 3), 1.0)
     rows[:PILOT, 1] = np.exp(0.1 * np.tile([1, -1], PILOT // 2))
     rows[-1] = [1.09, 1.0, 1.0]  # the only test in which it does
-    limits = limits_from(
-        MeasureTask(), [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, rank=1
-    )
+    limits = limits_from(MeasureTask(), [as_sets(rows)], [as_sets(np.full((3, 3), 9.0))], PILOT, 1)
     assert limits["heading"].full < np.exp(0.3)
 
 
@@ -114,7 +136,7 @@ def test_no_points_are_given_from_the_smallest_wrong_one_and_never_close_to_the_
     task = EstimateTask()
     rows = np.tile(np.exp([[0.1, 0.1, 0.1], [0.1, 0.1, -0.1]]), (PILOT, 1))
     wrong = [as_sets(np.tile(one, (3, 1))) for one in ([3.0, 1.0, 0.01], [2.0, 1.2, 5.0])]
-    limits = limits_from(task, [as_sets(rows)], wrong, PILOT, rank=1)
+    limits = limits_from(task, [as_sets(rows)], wrong, PILOT, 1)
     assert limits["position"].zero == 2.0
     assert limits["heading"].zero == 1.5 * limits["heading"].full
     assert limits["consistency"].zero == 5.0
@@ -124,7 +146,7 @@ def test_no_points_are_given_from_the_smallest_wrong_one_and_never_close_to_the_
 def test_half_as_many_right_frames_as_the_reference_has_give_no_points():
     rows = np.full((PILOT + 5, 3), 1.0)
     wrong = [as_sets(np.full((3, 3), 9.0))]
-    limits = limits_from(MeasureTask(), [as_sets(rows)], wrong, PILOT, rank=1)
+    limits = limits_from(MeasureTask(), [as_sets(rows)], wrong, PILOT, 1)
     assert limits["lost"].zero == 2.0
 
 

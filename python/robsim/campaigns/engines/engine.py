@@ -53,7 +53,7 @@ def rows_by(
         with closing(Processes(work, engine)) as processes:
             yield from rows_of_workers(processes, chunks)
     elif isinstance(engine, str):
-        with ThreadPoolExecutor(_processors()) as pool:
+        with ThreadPoolExecutor(processors()) as pool:
             yield from rows_of_workers(Workers(work, pool), chunks)
     elif isinstance(engine, Executor):
         yield from rows_of_workers(Workers(work, engine), chunks)
@@ -71,5 +71,8 @@ def _rows_here(
         yield rows
 
 
-def _processors() -> int | None:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+def processors() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -48,6 +48,8 @@ class TaskTest:
     stale : str
         Why the limits were not calibrated for this task, or these solutions; "" = they were, or
         nobody knows.
+    provisional : str
+        Why the limits are provisional; "" = they are not.
     reference : Solution or None
         What its scores are relative to.
     reference_values : mapping of str to tuple of float
@@ -63,6 +65,7 @@ class TaskTest:
     public: bool = True
     limits: Mapping[str, ScoreLimit] = field(default_factory=dict)
     stale: str = ""
+    provisional: str = ""
     reference: Solution | None = field(default=None, repr=False)
     reference_values: Mapping[str, tuple[float, ...]] = field(default_factory=dict, repr=False)
 

@@ -239,6 +239,7 @@ def _test(
         name=name,
         task=made,
         limits=known.limits,
+        provisional=known.provisional,
         reference=solutions[0],
         reference_values=known.reference,
         **rest,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -10,7 +9,6 @@ from os import PathLike
 from typing import Any
 
 from robsim.base.checks import check_bool, check_callable
-from robsim.base.files import write_whole
 from robsim.base.text import one_line
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments import limits_file
@@ -32,19 +30,21 @@ def calibrate_assignment(
     *,
     false_fail: float = 0.01,
     confidence: float = 0.95,
+    provisional: bool = False,
     executor: int | str | Executor | DaskClient | None = None,
     progress: bool = True,
     on_begin: Callable[[float, bool], Any] | None = None,
 ) -> dict[str, TaskCalibration]:
     """Calibrate the limits of an assignment by its solutions, and write its ``limits.json``.
 
-    Runs are kept until all is done: the same call goes on where one was ended.
+    Runs are kept until exact limits are written: the same call continues an ended one, and exact
+    limits continue with the runs of provisional ones.
 
     Parameters
     ----------
     folder : path
         The folder of the assignment. The seeds of the runs come from its key.
-    false_fail, confidence, executor, progress
+    false_fail, confidence, provisional, executor, progress
         As for `robsim.teach.calibrate_task`.
     on_begin : callable, optional
         Is called with about how long all of it takes (s), and whether runs are kept that count.
@@ -67,9 +67,10 @@ def calibrate_assignment(
     check_bool("progress", progress)
     kept = assignment.folder / _KEPT
     check_callable("on_begin", on_begin)
+    options: dict[str, Any] = {"false_fail": false_fail, "confidence": confidence}
+    options["provisional"] = provisional
     if on_begin is not None:
         processes = executor if isinstance(executor, int) else 1
-        options: dict[str, Any] = {"false_fail": false_fail, "confidence": confidence}
         seconds = sum(
             calibration_seconds(
                 test.task, _usable(assignment, test.task), **options, processes=processes
@@ -84,20 +85,18 @@ def calibrate_assignment(
         made = calibrate_task(
             test.task,
             solutions,
-            false_fail=false_fail,
-            confidence=confidence,
+            **options,
             seed=key_for(assignment, public=False).world_seed("", f"calibration {test.name}", 0),
             executor=executor,
             store=kept / digest,
             progress=progress,
         )
         found |= dict.fromkeys(names, made)
-    records = {test.name: found[test.name].as_record() for test in assignment.tests}
-    tests = {name: {"limits": one["limits"], "calibration": one} for name, one in records.items()}
-    content = {"format": limits_file.FORMAT, "tests": tests}
-    text = json.dumps(content, indent=1, allow_nan=False)
-    write_whole(assignment.folder / limits_file.FILE, f"{text}\n".encode())
-    shutil.rmtree(kept, ignore_errors=True)
+    limits_file.write_limits(
+        assignment.folder, {test.name: found[test.name] for test in assignment.tests}
+    )
+    if not provisional:
+        shutil.rmtree(kept, ignore_errors=True)
     return found
 
 

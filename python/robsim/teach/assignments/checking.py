@@ -88,6 +88,7 @@ def check_assignment(
     return CheckReport(
         name=assignment.name,
         problems=tuple(Problem(kind=f.what, sentence=f.wrong) for f in findings if f.wrong),
+        remarks=tuple(dict.fromkeys(t.provisional for t in assignment.tests if t.provisional)),
         tables=(Table(key="checks", columns=columns, rows=rows, row_title="what"),),
     )
 
@@ -124,7 +125,8 @@ def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
         return Finding(what, expected, "written by hand", wrong)
     if test.stale:
         return Finding(what, expected, "of others", f"{what}: {test.stale}")
-    return Finding(what, expected, f"right ones fail in {100 * made.false_fail:g} % at most")
+    got = f"right ones fail in {100 * made.false_fail:g} % at most"
+    return Finding(what, expected, got, note="provisional" if test.provisional else "")
 
 
 def _sheet(assignment: Assignment) -> Finding:

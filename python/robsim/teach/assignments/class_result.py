@@ -62,10 +62,11 @@ class ClassResult(Report):
 
     @property
     def remarks(self) -> Sequence[str]:
-        """Which submissions could not be graded, or read."""
+        """Whether limits are provisional; which submissions could not be graded, or read."""
         return tuple(self._remarks())
 
     def _remarks(self) -> Iterator[str]:
+        yield from sorted({test.provisional for one in self.results for test in one.tests} - {""})
         if broken := [one for one in self.results if one.has_errors]:
             yield (
                 f"not all could be graded, which is no fault of theirs: {_listed(broken)}; the "

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from robsim.base.checks import as_float_array
-from robsim.base.files import codec, read_text
+from robsim.base.files import codec, read_text, write_whole
 from robsim.base.files.reading import parse_json
 from robsim.teach.errors import AssignmentError
 from robsim.teach.tasks.marks.calibration import TaskCalibration
@@ -28,14 +29,15 @@ class RecordedTest:
     reference: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     #: The source of the limits; None = written by hand, or unknown here.
     calibration: TaskCalibration | None = None
+    provisional: str = ""  # a sentence; "" = the limits are exact
 
 
 def read_limits(folder: Path) -> dict[str, RecordedTest]:
     """Return the records in the file of a folder, by test; nothing without a file.
 
     The file is JSON: ``{"format": 1, "tests": {TEST: {"limits": {SCORE: {"full": ..., "zero": ...,
-    "low": ..., "low_zero": ...}}, "reference": {SCORE: [...]}, "calibration": {...}}}}``. Other
-    content raises AssignmentError.
+    "low": ..., "low_zero": ...}}, "provisional": "...", "reference": {SCORE: [...]}, "calibration":
+    {...}}}}``. Other content raises AssignmentError.
     """
     try:
         text = read_text(folder / FILE, _MOST)
@@ -44,6 +46,17 @@ def read_limits(folder: Path) -> dict[str, RecordedTest]:
         return {}
     except (OSError, ValueError) as error:
         raise AssignmentError(str(error), file=FILE) from None
+
+
+def write_limits(folder: Path, made: Mapping[str, TaskCalibration]) -> None:
+    """Write the limits of each test, and their source."""
+    tests = {}
+    for name, one in made.items():
+        record = one.as_record()
+        limits = {"limits": record["limits"], "provisional": one.why_provisional}
+        tests[name] = limits | {"calibration": record}
+    text = json.dumps({"format": FORMAT, "tests": tests}, indent=1, allow_nan=False)
+    write_whole(folder / FILE, f"{text}\n".encode())
 
 
 def _read(data: Any) -> dict[str, RecordedTest]:
@@ -69,6 +82,7 @@ _TEST = codec.Table(
         "limits": codec.named(_SCORE),
         "reference": codec.named(_numbers),
         "calibration": _calibration,
+        "provisional": "",
     },
     ignores_others=True,
 )

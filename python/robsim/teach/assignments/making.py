@@ -17,12 +17,20 @@ from robsim.base.checks import check_int, check_name, check_text
 from robsim.base.files import as_folder, codec, write_whole
 from robsim.base.spelling import check_names
 from robsim.base.text import one_line
+from robsim.teach.assignments import limits_file
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.assignment_file import FILE, KEY, SOLUTIONS, load_assignment
+from robsim.teach.assignments.assignment_file import (
+    FILE,
+    KEY,
+    SOLUTIONS,
+    load_assignment,
+    solutions_for,
+)
 from robsim.teach.grading.keys import Key
 from robsim.teach.submissions.notebook.choosing import COUNTS
 from robsim.teach.tasks.by_name import task
 from robsim.teach.tasks.definition import Task
+from robsim.teach.tasks.marks.calibration import shipped_calibrations
 from robsim.teach.tasks.solutions import helpers, starting_files
 
 
@@ -137,7 +145,8 @@ def new_assignment(
 ) -> Assignment:
     """Make the folder of an assignment, with a new key and numbers of its own.
 
-    Its limits are not calibrated yet: see `calibrate_assignment`.
+    Its limits are provisional: the task that ships with robsim has these. `calibrate_assignment`
+    makes its own.
 
     Parameters
     ----------
@@ -197,7 +206,10 @@ def _fill(folder: Path, task: Task, name: str) -> None:
         **{f"{START}/{path}": content for path, content in starting_files(task).items()},
     }
     write_below(folder, files | dict(_solution_files(task)))
-    write_whole(folder / SHEET, sheet_for(load_assignment(folder)).encode())
+    made = load_assignment(folder)
+    known = shipped_calibrations()[task.name].for_task(task, solutions_for(folder, task))
+    limits_file.write_limits(folder, {test.name: known for test in made.tests})
+    write_whole(folder / SHEET, sheet_for(made).encode())
 
 
 def write_below(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -91,7 +91,7 @@ def for_student(result: SubmissionResult) -> SubmissionResult:
 
 
 #: What students see of a hidden test.
-_THEIRS = ("name", "title", "number", "points", "most", "status", "sentence")
+_THEIRS = ("name", "title", "number", "points", "most", "provisional", "status", "sentence")
 
 
 def _hidden(test: TestResult) -> TestResult:

@@ -47,6 +47,8 @@ FINDING = "What robsim check finds"
 OUTPUT = "The submission printed"
 REPEAT = "To repeat it, in the folder of the assignment"
 
+PROVISIONAL = "The limits are provisional: points may change when the exact ones are known."
+
 HINT = (
     "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
     "numbers, comments and spaces are not compared; what was given to all, or stands in many "
@@ -68,7 +70,8 @@ def test_title(test: TestResult) -> str:
 def notes(result: SubmissionResult) -> list[str]:
     """Return what is to be said of the submission as a whole."""
     start = "It could not be read, and nothing of it was run. " if result.is_unread else ""
-    return [*by_hand(result), *(f"{start}{note}" for note in result.notes)]
+    provisional = [PROVISIONAL] if any(test.provisional for test in result.tests) else []
+    return [*by_hand(result), *(f"{start}{note}" for note in result.notes), *provisional]
 
 
 def by_hand(result: SubmissionResult) -> list[str]:

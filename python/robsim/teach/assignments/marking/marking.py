@@ -70,7 +70,8 @@ def marked_anew(test: TaskTest, result: TestResult) -> TestResult:
 
 def labels_of(test: TaskTest) -> dict[str, Any]:
     """Return the attributes that a result has from its test, except the name."""
-    return {"title": test.title, "number": test.number, "public": test.public, "most": test.points}
+    names = ("title", "number", "public", "provisional")
+    return {"most": test.points} | {name: getattr(test, name) for name in names}
 
 
 def limit_of(test: TaskTest, score: Score) -> ScoreLimit:

@@ -85,7 +85,8 @@ def limits_alone(assignment: Assignment) -> str:
 
 
 def _limits(test: TaskTest) -> dict[str, Any]:
-    return {"limits": {s.name: asdict(limit_of(test, s)) for s in test.task.scores}}
+    limits = {s.name: asdict(limit_of(test, s)) for s in test.task.scores}
+    return {"limits": limits, "provisional": test.provisional}
 
 
 def _below(folder: Path, name: str) -> Iterator[tuple[str, bytes]]:

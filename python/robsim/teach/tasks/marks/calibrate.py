@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from robsim.base.checks import check_bool, check_float, check_int, check_kinds
+from robsim.base.checks import Floats, check_bool, check_float, check_int, check_kinds
 from robsim.base.files import as_path
 from robsim.base.files.codec import plain
 from robsim.base.text import listed, quoted
@@ -21,18 +22,29 @@ from robsim.campaigns.engines.executors import DaskClient
 from robsim.campaigns.spec import surroundings
 from robsim.teach.tasks.definition import Task, check_task
 from robsim.teach.tasks.marks.calibration import (
+    NORMAL,
     SolutionMarks,
     TaskCalibration,
     solutions_digest,
     task_digest,
 )
-from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
-from robsim.teach.tasks.marks.sets import Sets, runs_of, sets_of
+from robsim.teach.tasks.marks.limits import (
+    bound_rank,
+    fewest_values,
+    limits_from,
+    normal_bound,
+)
+from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
 #: Tests from which the shape of the limits comes, and tests of each wrong solution.
 PILOT_TESTS, WRONG_TESTS = 60, 60
+#: Provisional limits: tests of each wrong solution, and of those that pass one of these, or set
+#: where points end. One that passes in a share p of the tests is given up with the probability
+#: (1 - p)^8: 17 % for p = 20 %.
+FIRST_TESTS, MORE_TESTS = 8, 30
+_ALL = 1 - 1e-9
 
 
 def calibrate_task(
@@ -42,6 +54,7 @@ def calibrate_task(
     false_fail: float = 0.01,
     confidence: float = 0.95,
     tests: int | None = None,
+    provisional: bool = False,
     seed: int = 0,
     executor: int | str | Executor | DaskClient | None = None,
     store: str | PathLike[str] | None = None,
@@ -64,12 +77,16 @@ def calibrate_task(
     tests : int, optional
         Number of tests of each right solution; more make narrower limits. Default: the fewest
         that it takes: 299 for 1 %.
+    provisional : bool
+        Make limits from 60 tests of right solutions and a few of wrong ones, as if scores were
+        normal: see `normal_bound`. They take a tenth to a quarter of the time.
     seed : int
         What all seeds of the runs come from: no student should know it.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
         What runs, as for `robsim.campaign`.
     store : path, optional
-        Folder for the runs: the same call goes on where one was ended.
+        Folder for the runs: the same call continues an ended one. Exact limits continue with the
+        runs of provisional ones.
     progress : bool
         Show progress bars.
 
@@ -87,31 +104,28 @@ def calibrate_task(
     -----
     A test is M runs, as many as the task has. See `limits_from` for how limits come from tests.
     They are tolerance bounds, which hold whatever the distribution of the scores is: `bound_rank`.
+    Provisional ones hold for normal logarithms of scores alone.
     """
     chosen = _chosen(task, solutions)
     count, rank = _count_and_rank(false_fail, confidence, tests)
+    check_bool("provisional", provisional)
     check_int("seed", seed, minimum=0, maximum=2**128 - 1)
     check_bool("progress", progress)
     engine_value(executor)
     folder = None if store is None else as_path(store, "store")
 
-    right = [one for one in chosen if one.is_right]
-    wrong = [one for one in chosen if not one.is_right]
-    play = partial(runs_of, task, seed=seed, executor=executor, progress=progress)
-    runs = play(right, PILOT_TESTS + count, store=_file(folder, "right"))
-    for name, one in runs.items():
-        if one.failed.any():
-            raise ValueError(
-                f"the right solution {quoted(name)} must not fail, but so it did: {one.first_error}"
-            )
-    runs |= play(wrong, WRONG_TESTS, store=_file(folder, "wrong"))
-    reference = runs[REFERENCE]
-    known = reference.first(WRONG_TESTS * task.runs)
-    sets = {one.name: sets_of(task, runs[one.name], reference) for one in right}
-    wrong_sets = {one.name: sets_of(task, runs[one.name], known) for one in wrong}
-    limits = limits_from(task, list(sets.values()), list(wrong_sets.values()), PILOT_TESTS, rank)
-    begin = PILOT_TESTS
-    after = {name: Sets(one.statistics[begin:], one.through[begin:]) for name, one in sets.items()}
+    def play(some: Sequence[Solution], tests: int, name: str) -> dict[str, Runs]:
+        file = _file(folder, name)
+        how: dict[str, Any] = {"seed": seed, "executor": executor, "progress": progress}
+        return runs_of(task, some, tests, store=file, **how)
+
+    if provisional:
+        count, rank, begin = PILOT_TESTS, 0, 0
+        normal = partial(normal_bound, exceeded=false_fail, confidence=confidence)
+        sets, limits = _tested(task, chosen, play, PILOT_TESTS, normal)
+    else:
+        begin = PILOT_TESTS
+        sets, limits = _tested(task, chosen, play, PILOT_TESTS + count, rank)
     return TaskCalibration(
         task=task.name,
         parameters={name: plain(value) for name, value in task.parameters.items()},
@@ -119,17 +133,59 @@ def calibrate_task(
         false_fail=false_fail,
         confidence=confidence,
         tests=count,
-        pilot_tests=PILOT_TESTS,
+        pilot_tests=begin,
         rank=rank,
         seed=seed,
         task_digest=task_digest(task),
         solutions_digest=solutions_digest(chosen),
         versions=surroundings(),
         solutions=tuple(
-            marks_of(task, one, (after if one.is_right else wrong_sets)[one.name], limits)
+            marks_of(task, one, sets[one.name][begin if one.is_right else 0 :], limits)
             for one in chosen
         ),
+        provisional=NORMAL if provisional else "",
     )
+
+
+def _tested(
+    task: Task,
+    chosen: Sequence[Solution],
+    play: Callable[[Sequence[Solution], int, str], dict[str, Runs]],
+    tests: int,
+    bound: int | Callable[[Floats], float],
+) -> tuple[dict[str, Sets], dict[str, ScoreLimit]]:
+    """Return the tests of each solution, and the limits; see `limits_from` for `bound`."""
+    right = play([one for one in chosen if one.is_right], tests, "right")
+    for name, runs in right.items():
+        if runs.failed.any():
+            raise ValueError(
+                f"the right solution {quoted(name)} must not fail, but so it did: "
+                f"{runs.first_error}"
+            )
+    sets = {name: sets_of(task, runs, right[REFERENCE]) for name, runs in right.items()}
+    wrong = [one for one in chosen if not one.is_right]
+
+    def limits_after(some: Sequence[Solution], tests: int, name: str) -> dict[str, ScoreLimit]:
+        for one, runs in play(some, tests, name).items():
+            sets[one] = sets_of(task, runs, right[REFERENCE])
+        those = ([sets[one] for one in right], [sets[one.name] for one in wrong])
+        return limits_from(task, *those, PILOT_TESTS, bound)
+
+    if isinstance(bound, int):
+        return sets, limits_after(wrong, WRONG_TESTS, "wrong")
+    limits = limits_after(wrong, FIRST_TESTS, "wrong")
+    more = [one for one in wrong if is_needed(task, sets[one.name], limits)]
+    return sets, limits_after(more, MORE_TESTS, "more") if more else limits
+
+
+def is_needed(task: Task, sets: Sets, limits: Mapping[str, ScoreLimit]) -> bool:
+    """Whether a wrong solution passes tests, or its median is where points end."""
+    if not sets.through.any():
+        return False
+    medians = np.nanmedian(sets.statistics, axis=0)
+    ends = [[limits[s.name].zero, limits[s.name].low_zero or np.nan] for s in task.scores]
+    sets_end = np.isclose(medians[:, None], ends).any()
+    return bool(sets_end) or sets.points(task.scores, limits).max() > _ALL
 
 
 def _count_and_rank(false_fail: float, confidence: float, tests: int | None) -> tuple[int, int]:
@@ -186,7 +242,7 @@ def marks_of(
         name=solution.name,
         is_right=solution.is_right,
         tests=len(points),
-        failing=int(np.count_nonzero(points < 1 - 1e-9)),
+        failing=int(np.count_nonzero(points < _ALL)),
         points=float(np.median(points)),
         statistics={
             score.name: None if medians is None else float(medians[index])
@@ -202,16 +258,18 @@ def calibration_seconds(
     false_fail: float = 0.01,
     confidence: float = 0.95,
     tests: int | None = None,
+    provisional: bool = False,
     processes: int = 1,
 ) -> float:
-    """Return the estimated duration of `calibrate_task` (s), from a test of each solution."""
+    """Return the estimated duration of `calibrate_task` (s), from two runs of each solution."""
     chosen = _chosen(task, solutions)
     count, _ = _count_and_rank(false_fail, confidence, tests)
     check_int("processes", processes, minimum=1, maximum=10**4)
+    short = replace(task, runs=2)
+    right_tests, wrong_tests = (0, FIRST_TESTS) if provisional else (count, WRONG_TESTS)
     seconds = 0.0
-    for one in chosen:
+    for is_right, tests_of_each in ((True, PILOT_TESTS + right_tests), (False, wrong_tests)):
         begin = time.perf_counter()
-        runs_of(task, [one], 1, seed=0)
-        tests_of_it = PILOT_TESTS + count if one.is_right else WRONG_TESTS
-        seconds += tests_of_it * (time.perf_counter() - begin)
+        runs_of(short, [one for one in chosen if one.is_right == is_right], 1, seed=0)
+        seconds += (time.perf_counter() - begin) * tests_of_each * task.runs / short.runs
     return seconds / processes

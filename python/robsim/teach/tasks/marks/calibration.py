@@ -5,12 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from robsim.base.checks import check_kinds
+from robsim.base.checks import check_choice, check_kinds
 from robsim.base.files import write_whole
 from robsim.base.report import Column, Quantity, Report, Row, Table, interval, percent
 from robsim.base.text import listed, one_line, quoted
@@ -22,6 +22,14 @@ from robsim.teach.tasks.solutions import Solution
 FORMAT = 1
 #: A wrong solution should fail at least so often, and have no more than that part of the points.
 POWER, MOST_OF_WRONG = 0.95, 0.5
+
+
+#: The source of provisional limits.
+SHIPPED_TASK, NORMAL = "shipped task", "normal bound"
+_PROVISIONAL = {
+    SHIPPED_TASK: "the task that ships with robsim has these, with other numbers",
+    NORMAL: "a normal tolerance bound from few tests",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +91,8 @@ class TaskCalibration(Report):
     pilot_tests : int
         Those before, from which their shape comes: how one score's limit is to another's.
     rank : int
-        The limits are as large as that many of `tests` reach: 1 = the largest.
+        The limits are as large as that many of `tests` reach: 1 = the largest; 0 = they come from
+        a normal distribution.
     seed : int
         The seed of all runs.
     task_digest, solutions_digest : str
@@ -93,6 +102,9 @@ class TaskCalibration(Report):
     solutions : tuple of SolutionMarks
         What each solution comes to by these limits, in the same tests: the right ones in those that
         the limits come from.
+    provisional : str
+        The source of provisional limits: ``"shipped task"`` or ``"normal bound"``; "" = the limits
+        are exact.
     """
 
     task: str
@@ -108,6 +120,26 @@ class TaskCalibration(Report):
     solutions_digest: str
     versions: Mapping[str, str]
     solutions: tuple[SolutionMarks, ...]
+    provisional: str = ""
+
+    @property
+    def why_provisional(self) -> str:
+        """Return a sentence on provisional limits; "" = the limits are exact."""
+        if not self.provisional:
+            return ""
+        return (
+            f"the limits are provisional: {_PROVISIONAL[self.provisional]}; robsim assignment "
+            "calibrate makes exact ones"
+        )
+
+    def for_task(self, task: Task, solutions: Iterable[Solution]) -> TaskCalibration:
+        """Return it as provisional limits of another task of its kind."""
+        return replace(
+            self,
+            task_digest=task_digest(task),
+            solutions_digest=solutions_digest(solutions),
+            provisional=SHIPPED_TASK,
+        )
 
     @property
     def missed(self) -> tuple[SolutionMarks, ...]:
@@ -176,6 +208,8 @@ class TaskCalibration(Report):
         remarks = [
             "a test fails if it has less than full points; points and scores are medians over tests"
         ]
+        if self.provisional:
+            remarks.insert(0, self.why_provisional)
         if self.missed:
             names = listed(quoted(one.name) for one in self.missed)
             remarks.append(
@@ -233,6 +267,7 @@ class TaskCalibration(Report):
         try:
             limits = {name: ScoreLimit(**limit) for name, limit in data.pop("limits").items()}
             solutions = tuple(SolutionMarks(**one) for one in data.pop("solutions"))
+            check_choice("provisional", data.get("provisional", ""), ("", *_PROVISIONAL))
             return cls(limits=limits, solutions=solutions, **data)
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"no calibration: {error}") from None

@@ -84,6 +84,9 @@ class Sets:
     statistics: Floats  # (N, S): of each score of a test; NaN = all runs failed
     through: Floats  # (N,): the share of its runs that came through
 
+    def __getitem__(self, place: slice) -> Sets:
+        return Sets(self.statistics[place], self.through[place])
+
     def points(self, scores: Sequence[Score], limits: Mapping[str, ScoreLimit]) -> Floats:
         return np.array(
             [
