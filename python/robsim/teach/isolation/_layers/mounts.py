@@ -57,7 +57,7 @@ def _view(trees: Sequence[Path], base: str) -> int:
 def enter(view: int) -> str:
     """Enter a namespace; there, the folder of this worker hides the one that it lies in."""
     if view < 0:
-        raise OSError("needs CAP_SYS_ADMIN or user namespaces, and Linux 5.12")
+        raise OSError("needs CAP_SYS_ADMIN or user namespaces, pivot_root, and Linux 5.12")
     scratch = os.getcwd()
     calls.setns(view, calls.CLONE_NEWNS)
     os.close(view)
