@@ -13,7 +13,7 @@ from robsim.teach.isolation._layers import calls
 assert sys.platform == "linux"
 
 _BIND, _WITH_INNER, _PRIVATE = 1 << 12, 1 << 14, 1 << 18
-_MOUNT_SETATTR, _AT_RECURSIVE = 442, 0x8000
+_MOUNT_SETATTR, _AT_RECURSIVE, _READ_ONLY = 442, 0x8000, (1).to_bytes(32, "little")
 
 
 def open_view(trees: Sequence[Path], base: str) -> int:
@@ -47,8 +47,7 @@ def _view(trees: Sequence[Path], base: str) -> int:
             place.mkdir() if name.is_dir() else place.touch()
             calls.mount(str(name), str(place), _BIND | _WITH_INNER)
     os.makedirs(f"{base}{base}", exist_ok=True)
-    read_only = (1).to_bytes(8, sys.byteorder) + bytes(24)
-    calls.syscall(_MOUNT_SETATTR, 0, os.fsencode(base), _AT_RECURSIVE, read_only, 32)
+    calls.syscall(_MOUNT_SETATTR, 0, os.fsencode(base), _AT_RECURSIVE, _READ_ONLY, 32)
     calls.mount(".", f"{base}{base}", _BIND)
     calls.change_root(base)
     return view
