@@ -100,6 +100,23 @@ def test_a_notebook_with_a_star_import_has_its_points_and_the_cells_that_count(h
         assert "hw3.ipynb: these cells count: 1, 3" in page.read_text()
 
 
+def test_copies_of_solutions_and_of_earlier_years_are_named(hw3, folders):
+    subs, out = folders
+    earlier = hw3.folder / "earlier"
+    shutil.copytree(subs / "s003", earlier / "2025/anna")
+    shutil.copy(subs / "s003/estimate_state.py", earlier / "ben.py")
+    (earlier / "broken.zip").write_bytes(b"no zip")
+    try:
+        grade_class(hw3, subs, out)
+        text = (out / "class.html").read_text()
+        grade_class(hw3, subs, out, pseudonyms=True)
+    finally:
+        shutil.rmtree(earlier)
+    assert "s003, earlier: 2025/anna, earlier: ben" in text
+    assert "s001, shipped solution estimate/reference" in text
+    assert "anna" not in (out / "class.html").read_text()
+
+
 def test_archives_that_are_not_read_have_a_row_and_a_sentence(hw3, tmp_path):
     files = {"s001": "s001.rar", "s002": "s002.7z", "s003": "s003.TGZ", "s004.tar": "s004.tar.gz"}
     (tmp_path / "subs").mkdir()

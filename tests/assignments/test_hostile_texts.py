@@ -132,7 +132,10 @@ def test_text_in_a_page_stays_the_same_text(text):
 def test_programs_are_shown_as_text(tmp_path):
     for text in NASTY:
         source = f"# {text}\nname = {text!r}\n{PROGRAM}".encode("utf-8", "surrogatepass")
-        programs = {name: reports.program_of({f"{name}.py": source}) for name in (text or "a", "b")}
+        programs = {
+            name: reports.program_of({f"{name}.py": source + more})
+            for name, more in ((text or "a", b""), ("b", b"\ndef f(): return 1"))
+        }
         reports.write_class(tmp_path, [submission()], programs=programs)
         page = (tmp_path / "class.html").read_text("utf-8")
         assert "np.linalg.inv" in page

@@ -77,14 +77,19 @@ def test_pseudonyms_leave_no_name_and_no_text(tmp_path):
         assert not re.search(r"s00\d|müller|stays behind|plot\.py|estimate_state\.py", text)
         assert "printed by me" not in text
     page = (tmp_path / "class.html").read_text()
+    assert "abc, def" in page
+    programs["s002"] = reports.program_of({"state.py": PROGRAM.encode() + b"def f(): return 1"})
+    page = written(tmp_path, programs=programs, pseudonym=names.__getitem__).text
     assert "abc and def" in page
     assert "np.linalg" not in page
 
 
 def test_similar_programs_are_a_hint_but_for_what_was_given(tmp_path):
     programs = programs_of("s001", "s002")
-    page = written(tmp_path, programs=programs)
-    assert "s001 and s002: 100 % of s001, 100 % of s002" in page.text
+    assert "s001, s002: 2 alike, 17 lines" in written(tmp_path, programs=programs).text
+    longer = reports.program_of({"state.py": PROGRAM.encode() + b"def f(): return 1"})
+    page = written(tmp_path, programs={**programs, "s002": longer})
+    assert "s001 and s002: 100 % of s001" in page.text
     assert "gain = self.P @ np.linalg.inv" in page.text
     for nothing in ({"programs": {}}, {"programs": programs, "given": [programs["s001"]]}):
         assert "No two programs" in written(tmp_path, **nothing).text
@@ -331,7 +336,11 @@ def class_file(tmp_path):
         for name, each in points.items()
     ]
     results.append(submission("s3", [near()]))
-    programs = {name: reports.program_of({"state.py": PROGRAM.encode()}) for name in ("s1", "s2")}
+    more = {"s1": "", "s2": "def f(): return 1"}
+    programs = {
+        name: reports.program_of({"state.py": (PROGRAM + text).encode()})
+        for name, text in more.items()
+    }
     reports.write_class(tmp_path, results, programs=programs)
     return tmp_path / "class.html"
 

@@ -1,12 +1,12 @@
-"""Similarity of programs: what survives hiding, what is no copy, what does not count."""
+"""Programs that are alike or resemble each other: what survives hiding, what does not count."""
 
 import json
 import re
 
+import pytest
+
 from graded_results import PROGRAM
-from robsim.teach.reports import similarity as pairs
-from robsim.teach.reports import similarity as tokens
-from robsim.teach.reports import similarity as winnowing
+from robsim.teach.reports import similarity
 
 OTHER = """
 def estimate_state(step):
@@ -33,96 +33,142 @@ def estimate_state(step):
 def renamed(source):
     """Return the same program with other names, numbers, comments and layout."""
     for old, new in (("jacobian", "jj"), ("innovation", "nu"), ("gain", "kk"), ("pose", "xhat")):
-        source = re.sub(rf"\b{old}\b(?!\()", new, source)
+        source = re.sub(rf"(?<!\.)\b{old}\b|(?<=self\.){old}\b", new, source)
     source = source.replace("0.001", "7e-3").replace("# The state is a pose.", "# mine, all mine")
+    source = source.replace("(self, model):", '(self, model,\n    ):\n        """Mine."""')
     return re.sub(r" ([@+*=-]) ", r"\1", source.replace("\n        ", "\n\n      "))
 
 
-def pairs_of(given=(), **sources):
-    def program(text):
-        return winnowing.program_of({"control.py": text.encode()})
+def changed(source, number):
+    """Return a copy with dead code between the lines of methods."""
+    lines = source.split("\n")
+    for at in range(len(lines) - 1, 0, -4):
+        if lines[at].startswith("        "):
+            lines.insert(at, f"        self.unused{number} = None")
+    return "\n".join(lines)
 
+
+def program(*texts):
+    return similarity.program_of({f"f{i}.py": text.encode() for i, text in enumerate(texts)})
+
+
+def compared(given=(), others=(), **sources):
     programs = {name: program(text) for name, text in sources.items()}
-    return pairs.similar_pairs(programs, [program(text) for text in given])
+    others = {name: program(text) for name, text in dict(others).items()}
+    return similarity.compared(programs, [program(text) for text in given], others)
 
 
-def test_a_copy_in_disguise_is_found_with_its_lines():
-    (pair,) = pairs_of(one=PROGRAM, two=renamed(PROGRAM), three=OTHER)
-    assert (pair.first, pair.second) == ("one", "two")
-    assert pair.share_of_first > 0.9
-    assert pair.share_of_second > 0.9
-    left, right = pair.passages[0]
-    assert "np.linalg.inv" in left.text
-    assert "np.linalg.inv" in right.text
-    assert "kk" in right.text
+def names_of(pairs):
+    return [(pair.first, pair.second) for pair in pairs]
+
+
+def cells(*sources):
+    made = [{"cell_type": "code", "metadata": {}, "source": text} for text in sources]
+    made.insert(0, {"cell_type": "markdown", "metadata": {}, "source": "# mine"})
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": made}).encode()
+
+
+@pytest.mark.parametrize(
+    "copy",
+    [
+        program(PROGRAM + OTHER),
+        program(renamed(PROGRAM + OTHER)),
+        program(OTHER + PROGRAM),
+        program(OTHER, PROGRAM),
+        similarity.program_of({"a.ipynb": cells("%matplotlib inline", OTHER, "!ls", PROGRAM)}),
+        similarity.program_of({"a.ipynb": cells(OTHER, PROGRAM, "print('it works')")}),
+    ],
+    ids=["to the byte", "renamed", "other order", "files", "notebook", "notebook with more"],
+)
+def test_programs_that_are_alike_are_a_group(copy):
+    programs = {"one": program(PROGRAM + OTHER), "copy": copy, "other": program(OTHER)}
+    (group,) = similarity.compared(programs).groups
+    assert list(group.names) == ["copy", "one"]
+    assert 25 < group.lines < 70
+
+
+def test_copies_are_listed_however_many_they_are_and_pairs_with_them_too():
+    """Many copies counted as common text, and were unlisted."""
+    copies = {f"s{i:02}": (PROGRAM, renamed(PROGRAM))[i % 2] for i in range(17)}
+    others = {"s17": OTHER, "s18": OTHER + "x = 1\n", "s19": changed(PROGRAM, 1), "s20": "x = 1"}
+    found = compared(**copies, **others)
+    assert [list(group.names) for group in found.groups] == [[*copies], ["s17", "s18"]]
+    assert names_of(found.pairs) == [("s00", "s19")]
+    assert found.common_lines == 0
+
+
+def test_a_copy_with_changes_is_found_with_its_lines():
+    found = compared(one=PROGRAM, two=renamed(changed(PROGRAM, 1)), three=OTHER)
+    assert names_of(found.pairs) == [("one", "two")]
+    assert not found.groups
+    left, _ = found.pairs[0].passages[0]
     assert left.text == "\n".join(PROGRAM.split("\n")[left.first_line - 1 : left.last_line])
+    assert "kk" in "".join(right.text for _, right in found.pairs[0].passages)
 
 
 def test_a_part_that_was_copied_is_found_in_a_longer_program():
-    (pair,) = pairs_of(one=PROGRAM, two=OTHER + PROGRAM + OTHER.replace("0", "1"))
+    (pair,) = compared(one=PROGRAM, two=OTHER + PROGRAM + OTHER.replace("0", "-1")).pairs
     assert pair.share_of_first > 0.9
-    assert 0.3 < pair.share_of_second < 0.7
+    assert 0.2 < pair.share_of_second < 0.7
 
 
 def test_programs_of_ones_own_are_no_pair():
-    assert pairs_of(one=PROGRAM, two=OTHER) == []
-    assert pairs_of(one="", two="") == []
-    assert pairs_of(one="x = 1\n", two="x = 1\n") == []
+    for one, two in ((PROGRAM, OTHER), ("", ""), ("# mine\n", "import robsim\n")):
+        found = compared(one=one, two=two)
+        assert not found.groups
+        assert not found.pairs
 
 
 def test_what_all_were_given_does_not_count():
-    mine, theirs = OTHER, PROGRAM
-    assert pairs_of(one=PROGRAM + mine, two=PROGRAM + theirs) != []
-    assert pairs_of(one=PROGRAM + mine, two=PROGRAM, given=[PROGRAM]) == []
+    mine, theirs = PROGRAM + OTHER, PROGRAM + OTHER.replace("2", "2 * y.size")
+    assert compared(one=mine, two=PROGRAM).pairs
+    assert compared(one=mine, two=theirs, given=[PROGRAM]).pairs
+    found = compared(one=mine, two=PROGRAM, three=renamed(PROGRAM), given=[PROGRAM])
+    assert not found.groups
+    assert not found.pairs
 
 
-def test_what_many_have_does_not_count():
-    few = pairs_of(**{f"s{i}": PROGRAM for i in range(10)})
-    assert len(few) == 45
-    assert pairs_of(**{f"s{i}": PROGRAM for i in range(11)}) == []
+def test_what_many_have_is_left_out_of_pairs_and_told():
+    many = {f"s{i:02}": PROGRAM + f"\ndef f(x):\n    return x{'.b' * i}\n" for i in range(12)}
+    own = PROGRAM + OTHER
+    found = compared(**many, t1=own, t2=own + "\ndef mine(): return -x")
+    assert names_of(found.pairs) == [("t1", "t2")]
+    assert 10 < found.pairs[0].common_lines < 20
+    assert found.common_lines > 12 * 10
+    assert list(found.mostly_common) == list(many)
 
 
-def test_cells_of_notebooks_are_compared():
-    text = renamed(PROGRAM).splitlines(True)
-    cells = [
-        {"cell_type": kind, "metadata": {}, "source": source}
-        for kind, source in (("markdown", "# mine"), ("code", text))
-    ]
-    notebook = {"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}
+def test_students_are_compared_with_others_and_others_not_with_each_other():
+    others = {"shipped solution": PROGRAM, "earlier: anna": changed(PROGRAM, 1), "old": OTHER}
+    found = compared(one=renamed(PROGRAM), others={**others, "older": OTHER})
+    assert [list(group.names) for group in found.groups] == [["one", "shipped solution"]]
+    assert not found.pairs
+    found = compared(one=PROGRAM.replace("4.0", "-4.0"), others=others)
+    assert names_of(found.pairs) == [("one", "shipped solution")]
+
+
+def test_pieces_are_named_by_file_and_cell():
     programs = {
-        "one": winnowing.program_of({"state.py": PROGRAM.encode()}),
-        "two": winnowing.program_of({"s2.ipynb": json.dumps(notebook).encode()}),
-        "broken": winnowing.program_of({"s3.ipynb": b"{", "data.csv": b"1,2"}),
+        "one": program(PROGRAM),
+        "two": similarity.program_of({"s2.ipynb": cells(renamed(PROGRAM) + "\n" + OTHER)}),
+        "broken": similarity.program_of({"s3.ipynb": b"{", "data.csv": b"1,2"}),
     }
-    (pair,) = pairs.similar_pairs(programs)
+    (pair,) = similarity.compared(programs).pairs
     assert pair.passages[0][1].file == "s2.ipynb, cell 2"
     assert programs["broken"].pieces == ()
 
 
-def test_winnowing_finds_whatever_is_long_enough(rng):
-    long_enough = winnowing.RUN + winnowing.WINDOW - 1
-    numbers = rng.integers(0, 30, 3 * (long_enough + 1))
-    part = " ".join(f".{'abcdefghij'[k % 10] * (k + 1)}" for k in numbers.tolist())
-    all_tokens = tokens.tokens_of(part)
-    hashes = {each.hash for each in winnowing.winnowed(all_tokens, 0)}
-    for start in rng.integers(0, len(numbers) - long_enough, 20):
-        common = all_tokens[2 * start : 2 * start + long_enough]
-        assert hashes & {each.hash for each in winnowing.winnowed(common, 0)}
-    assert winnowing.winnowed(all_tokens[: winnowing.RUN - 1], 0) == []
-
-
-def test_any_text_has_tokens():
+def test_any_text_can_be_compared():
     odd = ["'unterminated", '"""unterminated', "f'{x!r:>{w}}'", "rb'\\'", "\0\0", "0x_1__.e"]
     long = ["'" * 10_000, '"""' * 5_000 + "'", "\\" * 10_000, "(" * 10_000, "a." * 10_000]
-    for source in odd + long:
-        assert isinstance(tokens.tokens_of(source), list)
+    for source in (*odd, *long, ", " * 10_000, "import (\n" * 5_000, "'''\n" * 5_001):
+        assert not compared(one=source, two=PROGRAM).pairs
 
 
 def test_names_numbers_texts_and_layout_are_not_compared():
-    same = ("import a\nx = self.y + np.dot(z, 3.5)  # sum\n", "foo=self.bar+ np.dot(baz,\n  7e3)\n")
-    one, two, other = (
-        [token.kind for token in tokens.tokens_of(text)]
-        for text in (*same, "x = self.y + np.cross(z, 3.5)")
+    same = (
+        "import a\nx = self.y + np.dot(z, 3.5)  # sum\n",
+        "from a import (\n  b,\n)\nfoo=self.bar+ \\\n np.dot(baz,\n  7e3,)\n",
     )
-    assert one == two != other
-    assert [token.line for token in tokens.tokens_of("'''a\nb'''\nc")] == [1, 3]
+    assert compared(one=same[0], two=same[1]).groups
+    assert not compared(one=same[0], two="x = self.y + np.cross(z, 3.5)").groups

@@ -14,7 +14,7 @@ from urllib.parse import quote
 from robsim.base.checks import Floats
 from robsim.teach.reports import words
 from robsim.teach.reports.drawings import counts_of, floor_of, scale_of, shade
-from robsim.teach.reports.similarity import SimilarPair
+from robsim.teach.reports.similarity import Comparison
 from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, fraction_of, number
 from robsim.teach.texts import clean_text
 
@@ -82,13 +82,13 @@ def class_page(
     *,
     paths: Paths | None = None,
     area: tuple[float, float] = (1200.0, 1200.0),
-    pairs: Sequence[SimilarPair] | None = None,
+    found: Comparison | None = None,
     links: Mapping[str, str] | None = None,
 ) -> str:
     """Return the page as HTML.
 
     `paths` lie on the floor `area`. `links` lead to the pages of students, relative to this page.
-    Without a comparison of programs `pairs` is None.
+    Without a comparison of programs `found` is None.
     """
     columns = []
     for name, test in {test.name: test for r in results[::-1] for test in r.tests}.items():
@@ -100,5 +100,5 @@ def class_page(
         column = {"test": test, "of": of, "graded": graded, "short": short, "paths": drawn}
         columns.append(column | {"title": words.test_title(test)})
     near = {result.student for result in results if any(map(words.is_near, result.tests))}
-    values = {"results": results, "columns": columns, "near": near, "area": area, "pairs": pairs}
+    values = {"results": results, "columns": columns, "near": near, "area": area, "found": found}
     return rendered("class.html", **values, links=links or {})

@@ -1,30 +1,33 @@
-"""Pairs of submissions that have much of their programs in common, and which part."""
+"""Programs that are alike, or resemble each other, and in which part."""
 
 from __future__ import annotations
 
 import keyword
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from hashlib import blake2b
-from itertools import combinations
+from itertools import combinations, pairwise, product
+from types import MappingProxyType
 from typing import NamedTuple
 
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.notebook.cells import cells_of
 
-# Never fails, whatever the text is: what is no token of Python is one of a single character.
+# Never fails, whatever the text is: what is no token of Python is one of a single character. A text
+# alone on its line is a comment; what tells a notebook something, and a last comma, is layout.
+_STRING = r"""(?:(?i:[rbuft]{0,3})
+    (?:'''(?:[^'\\]|\\.|'(?!''))*+(?:'''|\Z)
+      |\"""(?:[^"\\]|\\.|"(?!""))*+(?:\"""|\Z)
+      |'(?:[^'\\\n]|\\.)*+(?:'|$|\Z)
+      |"(?:[^"\\\n]|\\.)*+(?:"|$|\Z)))"""
 _TOKEN = re.compile(
-    r"""
-    (?P<import>^[ \t]*(?:import|from)[ \t][^\n]*)
-  | (?P<comment>\#[^\n]*)
-  | (?P<text>(?i:[rbuft]{0,3})
-      (?:'''(?:[^'\\]|\\.|'(?!''))*+(?:'''|\Z)
-        |\"""(?:[^"\\]|\\.|"(?!""))*+(?:\"""|\Z)
-        |'(?:[^'\\\n]|\\.)*+(?:'|$|\Z)
-        |"(?:[^"\\\n]|\\.)*+(?:"|$|\Z)))
+    rf"""
+    (?P<none>^[ \t]*+(?:import|from)[ \t](?:[^\n(]*+\([^)]*+\)?|[^\n]*+)
+      |\#[^\n]*+|^[ \t]*+(?:[%!][^\n]*+|{_STRING}[ \t\r]*+$)|[\\;]|,(?=\s*+[])}}]))
+  | (?P<text>{_STRING})
   | (?P<number>\.?\d[\w.]*(?:(?<=[eE])[+-]\d+)?)
   | (?P<name>[^\W\d]\w*)
   | (?P<sign>\S)
@@ -32,131 +35,103 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL | re.MULTILINE,
 )
 _KEYWORDS = frozenset(keyword.kwlist)
-_NAME, _NUMBER, _TEXT = "n", "0", "s"
 
 
-class Token(NamedTuple):
-    """What a token is, and the line it begins in, from 1."""
-
-    kind: str
-    line: int
-
-
-def tokens_of(source: str) -> list[Token]:
-    """Return the tokens of a text: keywords, signs, and what is called by others' names.
+def tokens_of(source: str) -> Iterator[tuple[str, int, bool]]:
+    """Yield what a token is, the line it begins in, from 1, and whether at the start of the line.
 
     Names are all one, but for those of others' modules and values, such as ``inv`` in
     ``np.linalg.inv``; so are numbers and texts. Comments and imports are left out.
     """
-    tokens = []
     line, counted = 1, 0
     before = ("", "")
     for match in _TOKEN.finditer(source):
-        line += source.count("\n", counted, match.start())
-        counted = match.start()
-        what, text = match.lastgroup, match.group()
-        if what in ("comment", "import"):
+        start, what, text = match.start(), match.lastgroup, match.group()
+        line += source.count("\n", counted, start)
+        counted = start
+        if what == "none":
             continue
-        tokens.append(Token(_kind(what, text, before), line))
+        is_own = what == "name" and (before[1] != "." or before[0] == "self")
+        is_one = what in ("text", "number") or (is_own and text not in _KEYWORDS)
+        yield f"a {what}" if is_one else text, line, start == 0 or source[start - 1] == "\n"
         before = (before[1], text)
-    return tokens
 
 
-def _kind(what: str | None, text: str, before: tuple[str, str]) -> str:
-    if what == "text":
-        return _TEXT
-    if what == "number":
-        return _NUMBER
-    if what == "name" and text not in _KEYWORDS:
-        is_others = before[1] == "." and before[0] != "self"
-        return text if is_others else _NAME
-    return text
+RUN = 16  # tokens that are compared as one, some two lines
+_MOST_TEXT = 100_000  # characters of a submission; the rest is not compared
 
 
-#: Runs of so many tokens are compared, some two lines; one in each window is kept.
-RUN, WINDOW = 20, 8
-_MOST_TEXT = 200_000  # characters of a submission; the rest is not compared
+class Place(NamedTuple):
+    """Lines of a piece, by its number in the program."""
 
-
-@dataclass(frozen=True)
-class Piece:
-    """A file, or a cell of a notebook, and its text."""
-
-    file: str
-    text: str
-
-
-class Print(NamedTuple):
-    """A fingerprint: the hash, the number of the piece, and the lines it covers."""
-
-    hash: bytes
     piece: int
     first_line: int
     last_line: int
 
+    def reaches(self, after: Place) -> bool:
+        is_near = self.first_line <= after.first_line <= self.last_line + _NEAR
+        return is_near and self.piece == after.piece
+
+    def until(self, after: Place) -> Place:
+        return self._replace(last_line=max(self.last_line, after.last_line))
+
 
 @dataclass(frozen=True)
 class Program:
-    """What was handed in, as it is compared."""
+    """What was handed in: the texts of files and cells, each after its name."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[tuple[str, str], ...]
 
     @cached_property
-    def prints(self) -> tuple[Print, ...]:
-        return tuple(
-            each
-            for number, piece in enumerate(self.pieces)
-            for each in winnowed(tokens_of(piece.text), number)
-        )
+    def read(self) -> tuple[dict[int, bool], list[tuple[int, Place]]]:
+        """Hashes: of statements at the top, and which are definitions; of runs, and where."""
+        statements, runs = {}, []
+        left = _MOST_TEXT
+        for number, (_, text) in enumerate(self.pieces):
+            tokens = list(tokens_of(text[: max(left, 0)]))
+            left -= len(text)
+            kinds = [kind for kind, _, _ in tokens]
+            tops = [i for i, (_, _, is_top) in enumerate(tokens) if is_top]
+            for start, end in pairwise([*tops, len(tokens)]):
+                what = hash(tuple(kinds[start:end]))
+                statements[what] = kinds[start] in ("def", "class", "async")
+            for end in range(min(RUN, len(tokens) or RUN), len(tokens) + 1):
+                start = max(end - RUN, 0)
+                place = Place(number, tokens[start][1], tokens[end - 1][1])
+                runs.append((hash(tuple(kinds[start:end])), place))
+        return statements, runs
+
+    def lines(self, runs: Collection[int]) -> set[tuple[int, int]]:
+        """Return piece and number of each line of some runs."""
+        places = {place for run, place in self.read[1] if run in runs}
+        return {(at, line) for at, first, last in places for line in range(first, last + 1)}
 
 
 def program_of(sources: Mapping[str, bytes]) -> Program:
     """Return the Python files and notebooks among files, by their names."""
-    pieces: list[Piece] = []
-    left = _MOST_TEXT
+    pieces: list[tuple[str, str]] = []
     for file, content in sorted(sources.items()):
-        for piece in _pieces(file, content):
-            if left > 0:
-                pieces.append(Piece(piece.file, piece.text[:left]))
-                left -= len(piece.text)
+        if file.endswith(".py"):
+            pieces.append((file, content.decode("utf-8-sig", "replace")))
+        elif file.endswith(".ipynb"):
+            with suppress(SubmissionError):
+                pieces += [(cell.place, cell.source) for cell in cells_of(content, file)]
     return Program(tuple(pieces))
 
 
-def _pieces(file: str, content: bytes) -> list[Piece]:
-    if file.endswith(".ipynb"):
-        try:
-            return [Piece(cell.place, cell.source) for cell in cells_of(content, file)]
-        except SubmissionError:
-            return []
-    return [Piece(file, content.decode("utf-8", "replace"))] if file.endswith(".py") else []
-
-
-def winnowed(tokens: Sequence[Token], piece: int) -> list[Print]:
-    """Return the smallest hash in each window of hashes, the last one of equals, each once.
-
-    Two texts with `RUN` + `WINDOW` - 1 equal tokens have a fingerprint in common. Parts shorter
-    than `RUN` are not found. `piece` is the number of the text in the program. Source: Schleimer,
-    Wilkerson, Aiken: Winnowing: Local Algorithms for Document Fingerprinting. SIGMOD 2003.
-    """
-    kinds = [token.kind for token in tokens]
-    texts = ("\0".join(kinds[i : i + RUN]) for i in range(len(kinds) - RUN + 1))
-    hashes = [blake2b(one.encode(errors="replace"), digest_size=8).digest() for one in texts]
-    kept: list[int] = []
-    for start in range(max(len(hashes) - WINDOW + 1, min(len(hashes), 1))):
-        window = hashes[start : start + WINDOW]
-        smallest = min(window)
-        at = start + len(window) - 1 - window[::-1].index(smallest)
-        if not kept or kept[-1] != at:
-            kept.append(at)
-    return [Print(hashes[i], piece, tokens[i].line, tokens[i + RUN - 1].line) for i in kept]
-
-
-_LEAST_SHARE = 0.3
-_LEAST_PRINTS, _LEAST_LINES = 8, 6
+_LEAST_SHARE, _LEAST_RUNS = 0.45, 24  # these are some five lines
 _MOST_PAIRS, _MOST_PASSAGES, _MOST_LINES = 50, 3, 40
 _NEAR = 3  # lines between parts that are one passage
-# What more submissions have than that, or than a quarter of them, is how it is done.
-_FEW = 10
+# What more have than that, or than a quarter of them, is how it is done.
+_FEW_STUDENTS, _FEW_OTHERS = 10, 50
+
+
+@dataclass(frozen=True)
+class Group:
+    """Programs with the same functions and classes, but for names, numbers, comments, layout."""
+
+    names: Sequence[str]  # students, then what else was compared
+    lines: int  # of the first that were not given
 
 
 @dataclass(frozen=True)
@@ -171,110 +146,125 @@ class Passage:
 
 @dataclass(frozen=True)
 class SimilarPair:
-    """Two submissions that resemble each other."""
+    """Two programs that resemble each other, each the first of its group."""
 
-    first: str
+    first: str  # a student
     second: str
-    #: The part of each program that the other has, too, 0 to 1.
+    #: The part of each program that the other has, too, 0 to 1, without given and common text.
     share_of_first: float
     share_of_second: float
     lines: int  # how many lines of the first that is
+    common_lines: int  # lines of the first that were left out, because many have them
     #: The longest parts in common, of the first and of the second.
-    passages: tuple[tuple[Passage, Passage], ...]
+    passages: Sequence[tuple[Passage, Passage]]
 
 
-def similar_pairs(
-    programs: Mapping[str, Program], given: Iterable[Program] = ()
-) -> list[SimilarPair]:
-    """Return the pairs that have most in common, the most similar first, without given text."""
-    known = {each.hash for program in given for each in program.prints}
-    own = {
-        name: [each for each in program.prints if each.hash not in known]
-        for name, program in sorted(programs.items())
-    }
-    owners = _owners(own)
-    counts: Counter[tuple[str, str]] = Counter()
-    for names in owners.values():
-        counts.update(combinations(sorted(names), 2))
-    pairs = [
-        _pair(names, own, owners, programs)
-        for names, count in counts.items()
-        if count >= _LEAST_PRINTS
-    ]
-    similar = [
-        pair
-        for pair in pairs
-        if max(pair.share_of_first, pair.share_of_second) >= _LEAST_SHARE
-        and pair.lines >= _LEAST_LINES
-    ]
-    similar.sort(key=lambda p: (-max(p.share_of_first, p.share_of_second), p.first, p.second))
-    return similar[:_MOST_PAIRS]
+@dataclass(frozen=True)
+class Comparison:
+    """What programs have in common."""
+
+    groups: Sequence[Group]  # the largest first
+    pairs: Sequence[SimilarPair]  # the most similar first
+    common_lines: int  # lines that pairs leave out, because many students have them
+    mostly_common: Sequence[str]  # students who have more such lines than others
 
 
-def _owners(own: Mapping[str, Sequence[Print]]) -> dict[bytes, set[str]]:
-    owners: defaultdict[bytes, set[str]] = defaultdict(set)
-    for name, prints in own.items():
-        for each in prints:
-            owners[each.hash].add(name)
-    many = max(_FEW, len(own) // 4)
-    return {key: names for key, names in owners.items() if 2 <= len(names) <= many}
-
-
-def _pair(
-    names: tuple[str, str],
-    own: Mapping[str, Sequence[Print]],
-    owners: Mapping[bytes, set[str]],
+def compared(
     programs: Mapping[str, Program],
-) -> SimilarPair:
-    first, second = names
-    common = [
-        [each for each in own[name] if set(names) <= owners.get(each.hash, set())] for name in names
-    ]
-    places = {each.hash: each for each in reversed(common[1])}
-    parts = _joined([(each, places[each.hash]) for each in common[0]])
-    parts.sort(key=lambda part: (part[0].first_line - part[0].last_line, part))
-    lines = {
-        (each.piece, line)
-        for each in common[0]
-        for line in range(each.first_line, each.last_line + 1)
+    given: Iterable[Program] = (),
+    others: Mapping[str, Program] = MappingProxyType({}),
+) -> Comparison:
+    """Compare the programs of students with each other and with others, without given text.
+
+    Pairs are of the first programs of groups, so many copies do not become common text. Of the
+    pairs of a student with others only the most similar one is kept.
+    """
+    every = dict(sorted(programs.items())) | dict(others)
+    known = [program.read for program in given]
+    groups = _groups(every, {each for statements, _ in known for each in statements})
+    given_runs = {run for _, runs in known for run, _ in runs}
+    own = {name: {run for run, _ in every[name].read[1]} - given_runs for name in groups}
+    common, counts = _common(own, programs)
+    left = {name: runs - common for name, runs in own.items()}
+    lines = {name: every[name].lines(left[name]) for name in own if name in programs}
+    left_out = {name: len(every[name].lines(common) - lines[name]) for name in lines}
+    shares = {
+        names: (count / len(left[names[0]]), count / len(left[names[1]]))
+        for names, count in counts.items()
+        if count >= _LEAST_RUNS
     }
-    return SimilarPair(
-        first,
-        second,
-        len(common[0]) / len(own[first]),
-        len(common[1]) / len(own[second]),
-        len(lines),
-        tuple(
-            (_passage(programs[first], left), _passage(programs[second], right))
-            for left, right in parts[:_MOST_PASSAGES]
-        ),
+    copied = {name for name, names in groups.items() if names[-1] in others}
+    pairs: list[SimilarPair] = []
+    for first, second in sorted(shares, key=lambda names: (-max(shares[names]), names)):
+        both, runs = shares[first, second], left[first] & left[second]
+        if max(both) < _LEAST_SHARE or len(pairs) == _MOST_PAIRS:
+            break
+        if second in programs or first not in copied:
+            copied |= {first} if second in others else set()
+            passages = _passages(every[first], every[second], runs)
+            count = len(every[first].lines(runs))
+            pairs.append(SimilarPair(first, second, *both, count, left_out[first], passages))
+    return Comparison(
+        [
+            Group(names, len(every[name].lines(own[name])))
+            for name, names in sorted(groups.items(), key=lambda one: (-len(one[1]), one))
+            if len(names) > 1 and name in programs
+        ],
+        pairs,
+        sum(left_out.values()),
+        [name for name, count in left_out.items() if count > len(lines[name])],
     )
 
 
-def _joined(matches: Sequence[tuple[Print, Print]]) -> list[tuple[Print, Print]]:
-    joined: list[tuple[Print, Print]] = []
-    for left, right in matches:
-        if joined and _follows(joined[-1][0], left) and _follows(joined[-1][1], right):
-            joined[-1] = (_both(joined[-1][0], left), _both(joined[-1][1], right))
+def _groups(programs: Mapping[str, Program], given: Collection[int]) -> dict[str, list[str]]:
+    """Return the names of alike programs by the first one, without programs of given text alone."""
+    groups: defaultdict[tuple[int, ...], list[str]] = defaultdict(list)
+    for name, program in programs.items():
+        own = {key: defines for key, defines in program.read[0].items() if key not in given}
+        groups[tuple(sorted(filter(own.get, own)) or sorted(own))].append(name)
+    return {names[0]: names for key, names in groups.items() if key}
+
+
+def _common(
+    own: Mapping[str, set[int]], students: Collection[str]
+) -> tuple[set[int], Counter[tuple[str, str]]]:
+    """Return the runs that many have, and how many others each two have in common."""
+    times = Counter(run for runs in own.values() for run in runs)
+    owners: defaultdict[int, tuple[list[str], list[str]]] = defaultdict(lambda: ([], []))
+    for name, runs in own.items():
+        for run in runs:
+            if times[run] > 1:
+                owners[run][name not in students].append(name)
+    count = sum(name in students for name in own)
+    many, many_others = max(_FEW_STUDENTS, count // 4), max(_FEW_OTHERS, (len(own) - count) // 4)
+    common, counts = set(), Counter[tuple[str, str]]()
+    for run, (mine, theirs) in owners.items():
+        if len(mine) > many or len(theirs) > many_others:
+            common.add(run)
         else:
-            joined.append((left, right))
-    return joined
+            counts.update(combinations(mine, 2))
+            counts.update(product(mine, theirs))
+    return common, counts
 
 
-def _follows(before: Print, after: Print) -> bool:
-    return (
-        before.piece == after.piece
-        and before.first_line <= after.first_line <= before.last_line + _NEAR
-    )
+def _passages(
+    first: Program, second: Program, runs: Collection[int]
+) -> list[tuple[Passage, Passage]]:
+    """Return the longest parts in common."""
+    places = dict(reversed(second.read[1]))
+    parts: list[tuple[Place, Place]] = []
+    for left, right in ((place, places[run]) for run, place in first.read[1] if run in runs):
+        if parts and parts[-1][0].reaches(left) and parts[-1][1].reaches(right):
+            before, beside = parts.pop()
+            left, right = before.until(left), beside.until(right)
+        parts.append((left, right))
+    parts.sort(key=lambda part: (part[0].first_line - part[0].last_line, part))
+    longest = parts[:_MOST_PASSAGES]
+    return [(_passage(first, left), _passage(second, right)) for left, right in longest]
 
 
-def _both(before: Print, after: Print) -> Print:
-    return before._replace(last_line=max(before.last_line, after.last_line))
-
-
-def _passage(program: Program, part: Print) -> Passage:
-    piece = program.pieces[part.piece]
-    shown = piece.text.split("\n")[part.first_line - 1 : part.last_line]
+def _passage(program: Program, place: Place) -> Passage:
+    file, text = program.pieces[place.piece]
+    shown = text.split("\n")[place.first_line - 1 : place.last_line]
     more = ["..."] if len(shown) > _MOST_LINES else []
-    text = "\n".join([*shown[:_MOST_LINES], *more])
-    return Passage(piece.file, part.first_line, part.last_line, text)
+    return Passage(file, *place[1:], "\n".join([*shown[:_MOST_LINES], *more]))

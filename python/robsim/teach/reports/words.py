@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from robsim.base.report import percent
+from robsim.teach.reports.similarity import Comparison
 from robsim.teach.results import (
     ERROR,
     FAILED,
@@ -51,9 +52,15 @@ PROVISIONAL = "The limits are provisional: points may change when the exact ones
 
 HINT = (
     "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
-    "numbers, comments and spaces are not compared; what was given to all, or stands in many "
-    "programs, does not count. Read both before you talk to anybody."
+    "numbers, comments, spaces and the order of functions are not compared, and given text does not "
+    "count. Read both before you talk to anybody."
 )
+
+
+def left_out(found: Comparison) -> str:
+    mostly = ", ".join(map(person, found.mostly_common))
+    which = f" They are most of the programs of {mostly}." if mostly else ""
+    return f"{found.common_lines} lines were left out of pairs, as many have them.{which}"
 
 
 def person(student: str) -> str:

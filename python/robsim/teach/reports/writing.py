@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from types import MappingProxyType
 
 from robsim.base.files import as_folder, write_whole
 from robsim.teach.reports.pages import Paths, class_page, student_page
-from robsim.teach.reports.similarity import Program, similar_pairs
+from robsim.teach.reports.similarity import Program, compared
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
 from robsim.teach.results import SubmissionResult
@@ -62,6 +63,7 @@ def write_class(
     area: tuple[float, float] = (1200.0, 1200.0),
     programs: Mapping[str, Program] | None = None,
     given: Iterable[Program] = (),
+    others: Mapping[str, Program] = MappingProxyType({}),
     pseudonym: Callable[[str], str] | None = None,
     columns: str = "robsim",
     title: str | None = None,
@@ -69,23 +71,21 @@ def write_class(
     """Write the reports of a class, ``class.html`` and ``class.csv``, beside its submissions.
 
     The paths of the best runs are in the unit of `area`, by test and student. The page compares the
-    programs by student (`program_of`), without given ones. It links to ``teacher.html`` where that
-    is there, else to ``index.html``. With pseudonyms no text and no program is shown. Columns and
-    title are those of `marks_table`. Raise OSError, or ValueError for no result and for unknown
-    columns.
+    programs by student (`program_of`) with each other and with `others`, without given text. It
+    links to ``teacher.html`` where that is there, else to ``index.html``. With pseudonyms no text
+    and no program is shown. Columns and title are those of `marks_table`. Raise OSError, or
+    ValueError for no result and for unknown columns.
     """
     folder = as_folder(folder)
     shown = sorted(results, key=lambda result: result.student)
     if not shown:
         raise ValueError("results must have at least one result of a submission")
-    pairs = None if programs is None else similar_pairs(programs, given)
+    named = {(pseudonym or str)(name): program for name, program in (programs or {}).items()}
+    found = None if programs is None else compared(named, given, others)
     links = {result.student: _link(folder, folder_name(result.student)) for result in shown}
     if pseudonym is not None:
         shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)
-        pairs = pairs and [
-            replace(one, first=pseudonym(one.first), second=pseudonym(one.second), passages=())
-            for one in pairs
-        ]
+        found = found and replace(found, pairs=[replace(one, passages=()) for one in found.pairs])
         paths = {
             test: {pseudonym(who): path for who, path in drawn.items() if who in links}
             for test, drawn in (paths or {}).items()
@@ -94,7 +94,7 @@ def write_class(
     table = marks_table(shown, columns=columns, title=title)
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / MARKS, _utf8(table))
-    content = class_page(shown, paths=paths, area=area, pairs=pairs, links=links)
+    content = class_page(shown, paths=paths, area=area, found=found, links=links)
     write_whole(folder / CLASS, _utf8(content))
 
 

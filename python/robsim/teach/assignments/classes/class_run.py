@@ -23,7 +23,7 @@ from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.by_hand import take_table
 from robsim.teach.assignments.classes.plan import Plan, plan_of
 from robsim.teach.assignments.classes.progress import Schedule, Tell, again
-from robsim.teach.assignments.classes.store import ResultFolder, write_class_files
+from robsim.teach.assignments.classes.store import ResultFolder, other_programs, write_class_files
 from robsim.teach.assignments.classes.submissions import (
     Handed,
     check_is_one,
@@ -171,13 +171,14 @@ def grade_class(
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
     check_callable("on_result", on_result)
     handed = submissions_in(submissions, assignment, warn_user)
+    others = other_programs(assignment, pseudonyms=pseudonyms) if len(handed) > 1 else {}
     plan = plan_of(assignment, only=only, public=public, waits=True)
     _check_apart(folder.folder, handed)
     folder.by_hand = take_table(plan, folder, [one.student for one in handed])
     done = grade_all(plan, handed, folder, executor=executor, tell=on_result)
     results = sorted(done.results, key=lambda result: result.student)
     write_class_files(
-        assignment, done.programs, folder, results, columns=columns, pseudonyms=pseudonyms
+        assignment, done.programs, others, folder, results, columns=columns, pseudonyms=pseudonyms
     )
     return ClassResult(name=assignment.name, results=tuple(results))
 
@@ -232,7 +233,7 @@ def regrade_class(
     results = [_again(plan, units, one) for one in old]
     folder.by_hand = take_table(plan, folder, [one.student for one in old])
     results = [folder.write(result) for result in results]  # all of them can be
-    write_class_files(assignment, None, folder, results, columns=columns, pseudonyms=pseudonyms)
+    write_class_files(assignment, None, {}, folder, results, columns=columns, pseudonyms=pseudonyms)
     changes = {
         one.student: (one.points, now.points)
         for one, now in zip(old, results, strict=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -13,13 +14,15 @@ import numpy as np
 from robsim.base.checks import Floats
 from robsim.base.files import write_whole
 from robsim.teach.assignments.assignment import Assignment
-from robsim.teach.assignments.classes.submissions import problems_of_names
+from robsim.teach.assignments.assignment_file import solutions_for
+from robsim.teach.assignments.classes.submissions import problems_of_names, submissions_in
 from robsim.teach.assignments.marking.references import key_for
-from robsim.teach.errors import AssignmentError
+from robsim.teach.errors import AssignmentError, SubmissionError
 from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.reports.writing import RESULT, folder_name, write_class, write_student
 from robsim.teach.results import ByHand, SubmissionResult, TestResult
+from robsim.teach.submissions.reading import open_submission
 from robsim.teach.tasks.solutions import MODULE, module_source
 
 PATHS = "paths.json"
@@ -88,11 +91,13 @@ class ResultFolder:
 
 
 START = "start"  # what students begin with
+EARLIER = "earlier"  # submissions of earlier years
 
 
 def write_class_files(
     assignment: Assignment,
     programs: Mapping[str, Program] | None,
+    others: Mapping[str, Program],
     folder: ResultFolder,
     results: Sequence[SubmissionResult],
     *,
@@ -101,7 +106,8 @@ def write_class_files(
 ) -> None:
     """Write page and table of a class into the folder of its results; a single one is no class.
 
-    Without the `programs` by student the page does not report similar programs.
+    Without the `programs` by student the page does not report similar programs; `others` are
+    those of `other_programs`.
     """
     if len(results) < 2:
         return
@@ -113,6 +119,7 @@ def write_class_files(
         area=area,
         programs=programs,
         given=list(_given(assignment)),
+        others=others,
         pseudonym=key_for(assignment, public=False).pseudonym if pseudonyms else None,
         columns=columns,
     )
@@ -143,3 +150,26 @@ def _given(assignment: Assignment) -> Iterator[Program]:
     start = assignment.folder / START
     if start.is_dir():
         yield program_of({file.name: file.read_bytes() for file in sorted(start.glob("*.py"))})
+
+
+def other_programs(assignment: Assignment, *, pseudonyms: bool) -> dict[str, Program]:
+    """Return what a class may have copied from, by what it is called on the page.
+
+    These are the solutions of its tasks, and the submissions in ``earlier/``: each entry is one, or
+    a folder of them. Raise AssignmentError or OSError as `submissions_in`.
+    """
+    pseudonym = key_for(assignment, public=False).pseudonym if pseudonyms else str
+    found = {}
+    for task in {test.task.name: test.task for test in assignment.tests}.values():
+        for one in (*task.solutions, *solutions_for(assignment.folder, task)):
+            kind = "shipped solution" if one.folder is None else "solution"
+            files = {f"{name}.py": source for name, source in one.files.items()}
+            files = dict(one.notebook.sources) if one.notebook else files
+            found[f"{kind} {task.name}/{one.name}"] = program_of(files)
+    for entry in sorted((assignment.folder / EARLIER).glob("[!._]*")):
+        for handed in submissions_in(entry, assignment):
+            name = handed.student if handed.path == str(entry) else f"{entry.name}/{handed.student}"
+            with suppress(SubmissionError):
+                contents = open_submission(handed.path, assignment._rules())
+                found[f"earlier: {pseudonym(name)}"] = program_of(contents.files)
+    return found
