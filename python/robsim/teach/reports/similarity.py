@@ -16,8 +16,8 @@ from typing import NamedTuple
 from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.notebook.cells import cells_of
 
-# Never fails, whatever the text is: what is no token of Python is one of a single character. A text
-# alone on its line is a comment; what tells a notebook something, and a last comma, is layout.
+# Never fails: any other character is a token alone. Left out: imports, comments, texts alone on
+# their lines, commands of notebooks, line continuations, last commas.
 _STRING = r"""(?:(?i:[rbuft]{0,3})
     (?:'''(?:[^'\\]|\\.|'(?!''))*+(?:'''|\Z)
       |\"""(?:[^"\\]|\\.|"(?!""))*+(?:\"""|\Z)
@@ -38,7 +38,7 @@ _KEYWORDS = frozenset(keyword.kwlist)
 
 
 def tokens_of(source: str) -> Iterator[tuple[str, int, bool]]:
-    """Yield what a token is, the line it begins in, from 1, and whether at the start of the line.
+    """Yield the kind of each token, its first line, from 1, and whether it starts that line.
 
     Names are all one, but for those of others' modules and values, such as ``inv`` in
     ``np.linalg.inv``; so are numbers and texts. Comments and imports are left out.
@@ -73,12 +73,12 @@ class Place(NamedTuple):
         return is_near and self.piece == after.piece
 
     def until(self, after: Place) -> Place:
-        return self._replace(last_line=max(self.last_line, after.last_line))
+        return Place(*self[:2], max(self.last_line, after.last_line))
 
 
 @dataclass(frozen=True)
 class Program:
-    """What was handed in: the texts of files and cells, each after its name."""
+    """A submission: files and cells, each with its name and text."""
 
     pieces: tuple[tuple[str, str], ...]
 
@@ -122,7 +122,7 @@ def program_of(sources: Mapping[str, bytes]) -> Program:
 _LEAST_SHARE, _LEAST_RUNS = 0.45, 24  # these are some five lines
 _MOST_PAIRS, _MOST_PASSAGES, _MOST_LINES = 50, 3, 40
 _NEAR = 3  # lines between parts that are one passage
-# What more have than that, or than a quarter of them, is how it is done.
+# Text of more programs than that, and than a quarter of them, is common.
 _FEW_STUDENTS, _FEW_OTHERS = 10, 50
 
 
@@ -161,7 +161,7 @@ class SimilarPair:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What programs have in common."""
+    """Copies, similar pairs, and common text of a class."""
 
     groups: Sequence[Group]  # the largest first
     pairs: Sequence[SimilarPair]  # the most similar first

@@ -52,15 +52,15 @@ PROVISIONAL = "The limits are provisional: points may change when the exact ones
 
 HINT = (
     "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
-    "numbers, comments, spaces and the order of functions are not compared, and given text does not "
-    "count. Read both before you talk to anybody."
+    "numbers, comments, spaces and the order of functions are not compared, and given text does "
+    "not count. Read both before you talk to anybody."
 )
 
 
 def left_out(found: Comparison) -> str:
-    mostly = ", ".join(map(person, found.mostly_common))
-    which = f" They are most of the programs of {mostly}." if mostly else ""
-    return f"{found.common_lines} lines were left out of pairs, as many have them.{which}"
+    mostly = ", ".join(map(person, found.mostly_common)) or "no student"
+    lines = f"{found.common_lines} lines were left out of pairs, because many have them"
+    return f"{lines}. Most of the program is such text for {mostly}."
 
 
 def person(student: str) -> str:

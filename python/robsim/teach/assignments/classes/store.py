@@ -106,8 +106,8 @@ def write_class_files(
 ) -> None:
     """Write page and table of a class into the folder of its results; a single one is no class.
 
-    Without the `programs` by student the page does not report similar programs; `others` are
-    those of `other_programs`.
+    Without the `programs` by student the page does not report similar programs; `others` come
+    from `other_programs`.
     """
     if len(results) < 2:
         return
@@ -153,10 +153,10 @@ def _given(assignment: Assignment) -> Iterator[Program]:
 
 
 def other_programs(assignment: Assignment, *, pseudonyms: bool) -> dict[str, Program]:
-    """Return what a class may have copied from, by what it is called on the page.
+    """Return possible sources of copies by their names on the page.
 
-    These are the solutions of its tasks, and the submissions in ``earlier/``: each entry is one, or
-    a folder of them. Raise AssignmentError or OSError as `submissions_in`.
+    These are the solutions of tasks, and the submissions in ``earlier/``: each entry is one, or a
+    folder of them. Raise AssignmentError or OSError as `submissions_in`.
     """
     pseudonym = key_for(assignment, public=False).pseudonym if pseudonyms else str
     found = {}
@@ -164,8 +164,8 @@ def other_programs(assignment: Assignment, *, pseudonyms: bool) -> dict[str, Pro
         for one in (*task.solutions, *solutions_for(assignment.folder, task)):
             kind = "shipped solution" if one.folder is None else "solution"
             files = {f"{name}.py": source for name, source in one.files.items()}
-            files = dict(one.notebook.sources) if one.notebook else files
-            found[f"{kind} {task.name}/{one.name}"] = program_of(files)
+            sources = one.notebook.sources if one.notebook else files
+            found[f"{kind} {task.name}/{one.name}"] = program_of(sources)
     for entry in sorted((assignment.folder / EARLIER).glob("[!._]*")):
         for handed in submissions_in(entry, assignment):
             name = handed.student if handed.path == str(entry) else f"{entry.name}/{handed.student}"
