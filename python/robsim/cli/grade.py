@@ -149,7 +149,14 @@ def grade(
             return
         elif public or student is not None or gradescope is not None:
             result = marks.graded_alone(
-                given, submissions, out, gradescope, student=student, public=public, only=only
+                given,
+                submissions,
+                out,
+                gradescope,
+                student=student,
+                public=public,
+                only=only,
+                teacher_pages=teacher_pages,
             )
         else:
             result = marks.graded_class(

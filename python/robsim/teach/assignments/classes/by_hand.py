@@ -56,7 +56,6 @@ class _Table:
     columns: list[str]
     rows: list[dict[str, Any]]  # None: the list of cells without a column
     delimiter: str = ","
-    newline: str = "\r\n"
     encoding: str = "utf-8-sig"  # without its mark Excel expects another one
 
     @classmethod
@@ -66,13 +65,11 @@ class _Table:
             return cls(file, ["student"], [])
         try:
             text = read_text(file, _MOST)
-            first = text.partition("\n")[0]
-            delimiter = max(",;\t", key=first.count)
+            delimiter = max(",;\t", key=text.partition("\n")[0].count)
             rows = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter, restval="")
             rows.fieldnames = [name.strip() for name in rows.fieldnames or ()]
-            newline = "\r\n" if first.endswith("\r") else "\n"
             encoding = _ENCODINGS.get(content_of(file, 2), "utf-8")
-            return cls(file, [*rows.fieldnames], [*rows], delimiter, newline, encoding)
+            return cls(file, [*rows.fieldnames], [*rows], delimiter, encoding)
         except (ValueError, csv.Error) as error:
             raise AssignmentError(f"{TABLE}: {error}", file=TABLE) from None
 
@@ -82,9 +79,8 @@ class _Table:
         if not lacking and not students:
             return
         content = io.StringIO()
-        form: Any = {"delimiter": self.delimiter, "lineterminator": self.newline}
-        names = self.columns + lacking
-        table = csv.DictWriter(content, names, extrasaction="ignore", **form)
+        names, delimiter = self.columns + lacking, self.delimiter
+        table = csv.DictWriter(content, names, delimiter=delimiter, extrasaction="ignore")
         table.writeheader()
         table.writerows([*self.rows, *({"student": student} for student in students)])
         self.file.parent.mkdir(parents=True, exist_ok=True)

@@ -45,6 +45,7 @@ def grade_submission(
     public: bool = False,
     only: Iterable[str] | None = None,
     gradescope: str | PathLike[str] | None = None,
+    teacher_pages: bool = False,
 ) -> SubmissionResult:
     """Grade a submission.
 
@@ -65,6 +66,8 @@ def grade_submission(
         The names of the tests to run. Default: all.
     gradescope : path, optional
         Where the result is written after each test as Gradescope reads it, ``results.json``.
+    teacher_pages
+        As for `grade_class`.
 
     Returns
     -------
@@ -93,6 +96,7 @@ def grade_submission(
     with TemporaryDirectory(prefix="robsim-graded-") as scratch:
         folder = ResultFolder(as_path(scratch if out is None else out, "out"), file)
         folder.leaderboard = assignment.leaderboard
+        folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
         plan = plan_of(assignment, only=only, public=public, waits=True)
         _check_apart(folder.folder, [handed])
         folder.by_hand = {} if public else take_table(plan, folder, [handed.student])
