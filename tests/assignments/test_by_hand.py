@@ -119,7 +119,9 @@ def test_what_a_teacher_writes_lives_on_in_all_tables_and_pages(
     for text in texts:
         assert "6 of 8" in " ".join(text.split())
         assert "--only style" not in text  # there is nothing to repeat
-    assert ">6</b>" in (out / "class.html").read_text("utf-8")
+    page = (out / "class.html").read_text("utf-8")
+    assert ">6</b>" in page
+    assert any("größer" in title for title in Outline(page).attributes("title"))
     read = SubmissionResult.from_json((out / "s002/result.json").read_text())
     assert (read.points, read.points_of_tests) == (6, before["s002"])
     for columns in ("canvas", "blackboard"):
