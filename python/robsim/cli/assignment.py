@@ -67,7 +67,8 @@ def calibrate_and_print(folder: Path, *, jobs: int | None, **options: Any) -> No
             folder, executor=engine_of(jobs), on_begin=_tell_how_long, **options
         )
     except KeyboardInterrupt:
-        errors.print_note(f"to go on: robsim assignment calibrate {folder}")
+        more = " --provisional" if options.get("provisional") else ""
+        errors.print_note(f"to continue: robsim assignment calibrate {folder}{more}")
         raise
     for calibration, names in _together(found):
         errors.show(f"{', '.join(names)}: {calibration}")
