@@ -2,7 +2,7 @@
 
 Each task is drawn as `robsim assignment new` draws it, and calibrated in both ways. Submissions are
 tests of right solutions, of wrong ones, and of blends: geometric means of a right one's numbers and
-a wrong one's, by a weight. With --keep it goes on where it was ended.
+a wrong one's, by a weight. With --keep it continues an ended one.
 """
 
 from __future__ import annotations
