@@ -43,7 +43,7 @@ PILOT_TESTS, WRONG_TESTS = 60, 60
 #: Provisional limits: tests of each wrong solution, and of those that pass one of these, or set
 #: where points end. One that passes in a share p of the tests is given up with the probability
 #: (1 - p)^6: 26 % for p = 20 %.
-FIRST_TESTS, MORE_TESTS = 6, 45
+FIRST_TESTS, MORE_TESTS = 6, 40
 _ALL = 1 - 1e-9
 
 
