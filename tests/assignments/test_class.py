@@ -1,15 +1,19 @@
 """A class is graded: whatever its submissions do, and wherever it is ended."""
 
+import csv
 import json
 import os
 import re
 import shutil
 import signal
 import sys
+import warnings
+import zipfile
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -24,8 +28,9 @@ from robsim.teach import (
     regrade_class,
 )
 from robsim.teach.assignments.classes import progress
+from robsim.teach.reports.writing import folder_name
 from small_assignments import LIMITS, TESTS, assignment, drawn_quickly, solution
-from submissions import notebook
+from submissions import notebook, packed
 from waiting import wait_for
 
 HOSTILE = {
@@ -175,31 +180,194 @@ def test_what_is_done_is_not_done_again(graded_class, folders, ran):
     assert ran == [(student, "hidden") for student in ("s001", "s002", "s003", "s004")]
 
 
-def test_all_impossible_names_are_told_before_anything_is_graded(hw3, folders, ran, tmp_path):
+def test_all_students_with_two_submissions_or_one_folder_are_told_before_anything_is_graded(
+    hw3, folders, ran, tmp_path
+):
     subs, _ = folders
-    for name in ("a\tb.zip", "c\nd.py", "s001.py", "s002.zip"):
+    for name in ("s001.py", "s002.zip", "Zoe\u0308.py", "Zo\u00eb.zip", "ann.py", "Ann.zip"):
         (subs / name).touch()
     with pytest.raises(AssignmentError) as caught:
         grade_class(hw3, subs, tmp_path / "new")
-    for told in (r"'a\\tb'", r"'c\\nd'", "s001, s001.py", "s002, s002.zip"):
+    for told in ("s001.py, s001/", "s002.zip, s002/", "of Zo\u00eb", "Ann, ann"):
         assert told in str(caught.value)
     assert ran == []
     assert not (tmp_path / "new").exists()
 
 
-def test_files_that_are_no_submissions_and_names_of_our_files_stop_no_class(hw3, folders, tmp_path):
+def test_files_that_are_no_submissions_and_strange_names_stop_no_class(hw3, folders, tmp_path):
     subs, _ = folders
     (subs / "s001").rename(subs / "class.csv")
     shutil.rmtree(subs / "s003")
-    for name in ("Thumbs.db", "grades.xlsx", "readme.txt"):
+    strange = {"con", "dot.", "a\\tb", "\ufeffx", "g\\u202eh", "\u00fc" * 125}
+    for name in ("Thumbs.db", "grades.xlsx", "readme.txt", "a\tb.rar", "g\u202eh.rar"):
         (subs / name).touch()
-    with pytest.warns(UserWarning, match=r"Thumbs\.db, grades\.xlsx, readme\.txt"):
+    for name in strange - {"a\\tb", "g\\u202eh"}:
+        (subs / f"{name}.7z").touch()
+    with (
+        pytest.warns(UserWarning, match=r"Thumbs\.db, grades\.xlsx, readme\.txt"),
+        pytest.warns(UserWarning, match=r"class\.csv in "),
+    ):
         result = grade_class(hw3, subs, tmp_path / "new")
-    assert [one.student for one in result.results] == ["class.csv", "s002"]
+    assert {one.student for one in result.results} == {"class.csv", "s002", *strange}
     assert "class.csv" in (tmp_path / "new/class.csv").read_text()
-    link = re.search('href="([^"]*class.csv/[^"]*)"', (tmp_path / "new/class.html").read_text())[1]
-    assert (tmp_path / "new" / link).is_file()
-    assert repr(regrade_class(hw3, tmp_path / "new")) == repr(result)
+    page = (tmp_path / "new/class.html").read_text()
+    links = [unquote(link) for link in re.findall('href="([^"#]+/[^"]*)"', page)]
+    assert len(set(links)) == len(result.results)
+    for link in links:
+        assert (tmp_path / "new" / link).is_file()
+        assert re.fullmatch(r"[\w ()-]{1,100}", link.partition("/")[0])
+    assert repr(regrade_class(hw3, tmp_path / "new").results) == repr(
+        tuple(sorted(result.results, key=lambda one: folder_name(one.student)))
+    )
+
+
+# --- downloads of learning platforms
+
+NOTHING = "it has "  # precedes the names of files without a slot
+
+
+def graded(assignment, submissions, out):
+    """The sentence of each student, from the names of files on, and the warnings."""
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        result = grade_class(assignment, submissions, out)
+    told = {one.student: one.tests[0].sentence.rpartition(NOTHING)[2] for one in result.results}
+    return told, " ".join(str(one.message) for one in warned)
+
+
+def without_flags(path):
+    """A zip whose names are not said to be UTF-8, as some tools write them."""
+    content = bytearray(path.read_bytes())
+    for sign, place in ((b"PK\x01\x02", 9), (b"PK\x03\x04", 7)):
+        for found in re.finditer(sign, content):
+            content[found.start() + place] &= 0xF7
+    path.write_bytes(content)
+    return path
+
+
+def test_a_download_of_moodle_is_a_class_as_it_comes(hw3, tmp_path, ran):
+    moodle, text = "{}_assignsubmission_file", "{}_assignsubmission_onlinetext"
+    inner = packed(tmp_path / "in.zip", {"hw/right.txt": "x"}).read_bytes()
+    twice = packed(tmp_path / "twice.zip", {"in.zip": inner}).read_bytes()
+    bomb = packed(tmp_path / "bomb.zip", {"estimate_state.py": "#" * 900_000}).read_bytes()
+    link = zipfile.ZipInfo(f"{moodle.format('Lo_8')}/estimate_state.py")
+    link.external_attr = 0o120777 << 16
+    files = {
+        f"{moodle.format('Zoë_1')}/hw.zip": inner,
+        f"{text.format('Zoë_1')}/onlinetext.html": "x",
+        f"{text.format('Ben_2')}/onlinetext.html": "x",
+        f"{moodle.format('Cy_3')}_a.py": "x = 1",
+        f"{moodle.format('Cy_3')}_b.txt": "x",
+        f"{moodle.format('Dora_4')}/bomb.zip": bomb,
+        f"{moodle.format('Emil_5')}/twice.zip": twice,
+        f"{moodle.format('Fay_6')}/../../up.py": "x",
+        f"{moodle.format('Gus_7')}\\old.txt": "x",
+        link: "/etc/passwd",
+        "__MACOSX/._x": "x",
+        "Thumbs.db": "x",
+    }
+    path = without_flags(packed(tmp_path / "moodle.zip", files))
+    told, warned = graded(hw3, path, tmp_path / "out")
+    names = {name.split("_")[0]: sentence for name, sentence in told.items()}
+    parts = {"Zoë": "right.txt", "Ben": "onlinetext.html", "Cy": "a.py", "Dora": "larger"}
+    parts |= {"Emil": "archive", "Fay": "leads out", "Gus": "old.txt", "Lo": "link"}
+    assert names.keys() == parts.keys()
+    for name, part in parts.items():
+        assert part in names[name]
+    assert "Thumbs.db, Zoë_1_assignsubmission_onlinetext/" in warned
+    assert ran == []
+    assert not list(tmp_path.rglob("up.py"))
+
+
+def test_attempts_and_files_of_canvas_and_blackboard_are_those_of_a_student(hw3, tmp_path, ran):
+    at = "hw3_{}_attempt_2026-11-0{}-10-11-12"
+    files = {
+        "anna_LATE_12_34_a.txt": "x",
+        "anna_12_35_a-1.py": "x = 1",
+        "ben_13_36_essay.pdf": "x",
+        f"{at.format('cy', 1)}_old.py": "x = 1",
+        f"{at.format('cy', 2)}_new.zip": packed(tmp_path / "new.zip", {"b.txt": "x"}).read_bytes(),
+        f"{at.format('cy', 2)}.txt": "x",
+    }
+    told, warned = graded(hw3, packed(tmp_path / "class.zip", files), tmp_path / "out")
+    assert told.keys() == {"anna_12", "cy"}
+    assert "a.py" in told["anna_12"]
+    assert told["cy"] == "b.txt"
+    for left in ("essay.pdf", "-12.txt", "old.py"):
+        assert left in warned
+    with zipfile.ZipFile(tmp_path / "class.zip") as archive:
+        archive.extractall(tmp_path / "subs")
+    assert graded(hw3, tmp_path / "subs", tmp_path / "out2")[0] == told
+
+
+# --- groups, and students again
+
+
+def columns_of(file, *names):
+    with file.open(newline="") as table:
+        return [tuple(row[name] for name in names) for row in csv.DictReader(table)]
+
+
+def test_the_members_of_a_group_get_its_marks(hw3, tmp_path):
+    out, subs = tmp_path / "out", tmp_path / "subs"
+    subs.mkdir()
+    for name in ("g1", "ben", "dora"):
+        packed(subs / f"{name}.zip", {f"{name}.txt": "x"})
+    table = "\ufeffNo;Student;Group\n1;anna;g1\n2;cy;g1\n3;ben;g2\n4;emil;g2\n5;fay;g3\n"
+    (subs / "groups.csv").write_text(table, encoding="utf-16")
+    told, warned = graded(hw3, subs, out)
+    assert told == {"g1": "g1.txt", "g2": "ben.txt", "dora": "dora.txt"}
+    assert "g3" in warned
+    assert "dora" in warned
+    students = [("dora",), ("anna",), ("cy",), ("ben",), ("emil",)]
+    assert columns_of(out / "class.csv", "student") == students
+    assert "g1 (anna, cy)" in (out / "class.html").read_text()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        regrade_class(hw3, out, columns="canvas")
+    assert columns_of(out / "class.csv", "SIS Login ID")[1:] == students
+    packed(subs / "cy.zip", {"x.txt": "x"})
+    with pytest.raises(AssignmentError, match="group g1, cy, g1"):
+        graded(hw3, subs, out)
+    other = tmp_path / "other.csv"
+    for text, named in (("group,student\na,cy\nb,cy\n", "cy"), ("grp,student\n", "no group")):
+        other.write_text(text)
+        with pytest.raises(ValueError, match=named):
+            grade_class(hw3, subs, out, groups=other)
+
+
+def test_a_group_of_moodle_hands_in_once(hw3, tmp_path):
+    names = {"G 3-Anna_1": "a", "G 3-Ben_2": "a", "Jo-Lee_3": "b", "Jo-Ann_4": "c"}
+    files = {f"{name}_assignsubmission_file/{file}.txt": "x" for name, file in names.items()}
+    path = packed(tmp_path / "moodle.zip", files)
+    with pytest.warns(UserWarning, match="G 3"):
+        grade_class(hw3, path, tmp_path / "out", columns="moodle")
+    assert columns_of(tmp_path / "out/class.csv", "Identifier", "Full name") == [
+        ("Participant 1", "Anna"),
+        ("Participant 2", "Ben"),
+        ("Participant 4", "Jo-Ann"),
+        ("Participant 3", "Jo-Lee"),
+    ]
+
+
+def test_a_student_is_graded_again_without_the_others(hw3, folders, ran):
+    subs, out = folders
+    before = columns_of(out / "class.csv", "student", "points")
+    for student in ("s001", "s002"):
+        shutil.copy(subs / "s003/estimate_state.py", subs / student / "estimate_state.py")
+    result = grade_class(hw3, subs, out, only="s002")
+    assert ran == [("s002", "shown"), ("s002", "hidden")]
+    after = columns_of(out / "class.csv", "student", "points")
+    assert after == [(one.student, f"{one.points:g}") for one in result.results]
+    assert (after[0], after[2]) == (before[0], before[2])
+    assert after[1] != before[1]
+    (subs / "s003").rename(subs / "shown")
+    for wrong in ("shown", "s0002"):
+        with pytest.raises(ValueError, match=f"only.*{wrong}|{wrong}.*s002"):
+            grade_class(hw3, subs, out, only=wrong)
+    with pytest.warns(UserWarning, match="shown"):
+        grade_class(hw3, subs, out, only=["s001", "hidden"])
+    assert ran[2:] == [("s001", "hidden")]
 
 
 def test_other_limits_and_points_need_no_run(hw3, folders, ran):
@@ -257,7 +425,7 @@ def test_a_submission_is_opened_once(hw3, folders, tmp_path, monkeypatch):
     opened = []
     true = progress.open_submission
     monkeypatch.setattr(
-        progress, "open_submission", lambda path, rules: opened.append(path) or true(path, rules)
+        progress, "open_submission", lambda path, *more: opened.append(path) or true(path, *more)
     )
     grade_class(hw3, subs, tmp_path / "again")
     assert opened == [str(subs / student) for student in ("s001", "s002", "s003")]

@@ -56,6 +56,7 @@ def grade(
     submissions: Path | None = None,
     public: bool = False,
     only: list[str] | None = None,
+    groups: Path | None = None,
     jobs: Jobs = 1,
     isolation: str | None = None,
     out: Out = Path("graded"),
@@ -89,9 +90,12 @@ def grade(
 
     ASSIGNMENT: The folder of the assignment.
     SUBMISSIONS: A folder with one for each student: a folder, a Python file, a notebook or a zip;
-        or a single one.
+        or the zip of these as Moodle, Canvas or Blackboard packs it; or a single one.
     --public: Only the tests that students have, too.
-    --only TEST: Run only this test; may be given twice.
+    --only NAME: Run only this test, or grade only this student; may be given twice. Results of
+        others are kept.
+    --groups FILE: A table with the columns group and student: each member of a group gets its
+        marks. Default: groups.csv beside the submissions, if there is one.
     --isolation LEVEL: auto = all that works here. strict = the same, and files, processes, network
         and memory must be closed. process = limits alone. none = a process, and nothing else.
         Default: as the assignment says.
@@ -166,6 +170,7 @@ def grade(
                 is_quiet=as_json,
                 executor=executor,
                 only=only,
+                groups=groups,
                 **told,
             )
         if feedback is not None:

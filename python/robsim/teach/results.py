@@ -208,7 +208,9 @@ class SubmissionResult:
     assignment, title : str
         Name and title of the assignment.
     student : str
-        The name of the submission.
+        The name of the student, or of the group.
+    members : tuple of str
+        The students of a group.
     tests : tuple of TestResult
         In the order of the assignment; while it is graded those so far, then "not run".
     notes : tuple of str
@@ -232,6 +234,7 @@ class SubmissionResult:
     assignment: str
     title: str
     student: str
+    members: tuple[str, ...] = ()
     tests: tuple[TestResult, ...] = ()
     notes: tuple[str, ...] = ()
     isolation: str = ""
@@ -298,7 +301,8 @@ class SubmissionResult:
         try:
             tests = tuple(_test(one) for one in data.pop("tests"))
             data["by_hand"] = ByHand(**data.get("by_hand", {}))
-            return cls(tests=tests, **data | {"notes": tuple(data["notes"])})
+            lists = {name: tuple(data.get(name, ())) for name in ("notes", "members")}
+            return cls(tests=tests, **data | lists)
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"no result of a submission: {error}") from None
 

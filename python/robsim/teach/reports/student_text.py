@@ -108,6 +108,7 @@ def pseudonymous(
         replace(
             result,
             student=pseudonym(result.student),
+            members=tuple(map(pseudonym, result.members)),
             tests=tuple(map(_without_texts, result.tests)),
             notes=(),
             submission_digest="",

@@ -6,6 +6,7 @@ import csv
 import io
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from robsim.base.checks import check_choice
@@ -17,7 +18,7 @@ from robsim.teach.texts import clean_line
 _Rows = list[list[Any]]
 _MOST_FEEDBACK = 1000  # characters
 # How the platforms name what they give to download.
-_OF_CANVAS = re.compile(r"(?P<name>[^_]+)_(LATE_)?(?P<number>\d+)_\d+_.+")
+_OF_CANVAS = re.compile(r"(?P<name>[^_]+)_(LATE_)?(?P<number>\d+)(_\d+_.+)?")
 _OF_BLACKBOARD = re.compile(r".+_(?P<name>[^_]+)_attempt_\d{4}(-\d\d){5}(_.*)?")
 
 
@@ -37,12 +38,18 @@ def marks_table(
     - ``"blackboard"``: Username, and the points.
 
     Folders and files from these platforms have names and numbers of students, which go into the
-    right columns. Other names count as login names. `title` is the heading of the points for Canvas
-    and Blackboard, such as ``"Homework 3 (1234)"``. Its default is the title of the assignment.
+    right columns. Other names count as login names. Each member of a group has a row. `title` is
+    the heading of the points for Canvas and Blackboard, such as ``"Homework 3 (1234)"``. Its
+    default is the title of the assignment.
     """
     check_choice("columns", columns, COLUMNS)
     heading = clean_line(title if title is not None else results[0].title if results else "")
-    rows = _COLUMNS[columns](results, heading)
+    each = [
+        replace(result, student=student)
+        for result in results
+        for student in result.members or [result.student]
+    ]
+    rows = _COLUMNS[columns](each, heading)
     content = io.StringIO()
     writer = csv.writer(content, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
     writer.writerows([_cell(value) for value in row] for row in rows)

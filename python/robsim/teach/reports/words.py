@@ -68,6 +68,12 @@ def person(student: str) -> str:
     return match["name"] if match else student
 
 
+def who(result: SubmissionResult) -> str:
+    """Return the name of a student, or of a group with its members."""
+    members = ", ".join(map(person, result.members))
+    return person(result.student) + (f" ({members})" if members else "")
+
+
 def test_title(test: TestResult) -> str:
     """Return number and title of a test."""
     title = test.title[:1].upper() + test.title[1:]

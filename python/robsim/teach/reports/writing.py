@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
@@ -14,14 +16,21 @@ from robsim.teach.reports.similarity import Program, compared
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
 from robsim.teach.results import SubmissionResult
+from robsim.teach.submissions.names import problem_of
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
 CLASS, MARKS, TABLE = "class.html", "class.csv", "by_hand.csv"
+_KEPT = 40  # characters of a name that not every system takes
 
 
 def folder_name(student: str) -> str:
-    """Return the name of a student's folder: another one than the names of files next to it."""
-    return f"__{student}" if student.lower() in (CLASS, MARKS, TABLE, "results.json") else student
+    """Return the name of a student's folder: the student's, or one that every system takes."""
+    is_free = not student.lower().endswith((".csv", ".html", ".json", ".xml", ".zip"))
+    if student and is_free and not {"/", "\\"} & set(student) and problem_of(student) is None:
+        return student
+    digest = hashlib.sha256(student.encode("utf-8", "surrogatepass")).hexdigest()[:8]
+    kept = re.sub(r"[^\w ()-]", "_", student)[:_KEPT]
+    return f"__{kept}_{digest}"
 
 
 def write_student(

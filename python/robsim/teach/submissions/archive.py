@@ -7,18 +7,25 @@ import stat
 import struct
 import zipfile
 import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
 
+from robsim.base.files.reading import regular
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.folder import Intake
+from robsim.teach.submissions.folder import Intake, lone_zip_of
 from robsim.teach.submissions.names import refusal_in
 from robsim.teach.submissions.rules import Rules
 
 _ENTRY = b"PK\x01\x02"  # begins each entry of the list of contents
+_MOST_LISTED = 2**24  # bytes of the list of contents of a class: some 80 000 files
 _MOST_PER_FILE = 20  # entries, folders and leftovers counted, for each file that is allowed
 _OVERHEAD = 2**20  # bytes
 _CHUNK = 2**16
 _SMALL = 2**16  # bytes that no ratio matters for
+_UTF8 = 0x800  # a flag of an entry
 _BROKEN = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError, RuntimeError),
     *(OverflowError, LookupError, MemoryError),
@@ -33,11 +40,64 @@ def read_archive(content: bytes, whole: str, rules: Rules, intake: Intake) -> No
     # Python reads the whole list of contents before it tells anything of it.
     if content.count(_ENTRY) > _MOST_PER_FILE * rules.files:
         raise SubmissionError(f"{whole} has too many files: hand in what counts")
+    with _told(whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
+        for entry in archive.infolist():
+            _take(archive, entry, _path_of(entry), whole, rules, intake)
+
+
+class _Bounded(io.BufferedReader):
+    def read(self, size: int | None = -1, /) -> bytes:
+        if size is not None and size > _MOST_LISTED:
+            raise ValueError("it has too many files")
+        return super().read(size)
+
+
+@contextmanager
+def _class_zip(path: Path) -> Iterator[zipfile.ZipFile]:
+    with _Bounded(open(path, "rb", 0, opener=regular)) as file, zipfile.ZipFile(file) as archive:
+        yield archive
+
+
+def paths_in(path: Path) -> list[str]:
+    """Return the paths of all files in the zip of a class; SubmissionError: it is broken."""
+    with _told(path.name), _class_zip(path) as archive:
+        paths = [_place_of(entry) for entry in archive.infolist()]
+        return [place for place in paths if not place.endswith("/")]
+
+
+def read_from_class(
+    path: Path, files: Sequence[tuple[str, str]], whole: str, rules: Rules
+) -> tuple[str, dict[str, bytes]]:
+    """Return the name and the files of a submission in the zip of a class.
+
+    `files` are pairs: a place in the zip, and its name in the submission. A folder ends in "/".
+    """
+    intake = Intake(whole, rules)
+    with _told(whole), _class_zip(path) as archive:
+        found = [
+            (entry, name + place[len(start) :])
+            for entry in archive.infolist()
+            for place in [_place_of(entry)]
+            for start, name in files
+            if place == start or (start.endswith("/") and place.startswith(start))
+        ]
+        packed = lone_zip_of({name.partition("/")[0]: "/" in name for _, name in found}, intake)
+        if packed is None:
+            for entry, name in found:
+                _take(archive, entry, name, whole, rules, intake)
+            return whole, intake.files
+        entry = {name: entry for entry, name in found}[packed]
+        _check_kind(entry, whole, packed)
+        wide = replace(rules, size=most_of_archive(rules), file_size=most_of_archive(rules))
+        content = _content(archive, entry, packed, whole, wide, Intake(whole, wide))
+    read_archive(content, packed, rules, intake)
+    return packed, intake.files
+
+
+@contextmanager
+def _told(whole: str) -> Iterator[None]:
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            for entry in archive.infolist():
-                intake.count_entry()
-                _take(archive, entry, whole, rules, intake)
+        yield
     except _BROKEN as error:
         said = quoted(str(error))[1:-1]
         raise SubmissionError(
@@ -45,17 +105,33 @@ def read_archive(content: bytes, whole: str, rules: Rules, intake: Intake) -> No
         ) from None
 
 
+def _path_of(entry: zipfile.ZipInfo) -> str:
+    name = entry.orig_filename  # `filename` ends at a null character
+    if not entry.flag_bits & _UTF8:  # some tools write UTF-8 nevertheless
+        with suppress(UnicodeError):
+            return name.encode("cp437").decode()
+    return name
+
+
+def _place_of(entry: zipfile.ZipInfo) -> str:
+    return _path_of(entry).replace("\\", "/").removeprefix("./").lstrip("/")
+
+
 def _take(
-    archive: zipfile.ZipFile, entry: zipfile.ZipInfo, whole: str, rules: Rules, intake: Intake
+    archive: zipfile.ZipFile,
+    entry: zipfile.ZipInfo,
+    name: str,
+    whole: str,
+    rules: Rules,
+    intake: Intake,
 ) -> None:
-    # `filename` ends at a null character.
-    name = entry.orig_filename
+    intake.count_entry()
     if not intake.wants(name):
         return
     _check_kind(entry, whole, name)
     if entry.is_dir() or name.endswith(("/", "\\")):
         return
-    intake.add(name, _content(archive, entry, whole, rules, intake))
+    intake.add(name, _content(archive, entry, name, whole, rules, intake))
 
 
 def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
@@ -74,10 +150,14 @@ def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
 
 
 def _content(
-    archive: zipfile.ZipFile, entry: zipfile.ZipInfo, whole: str, rules: Rules, intake: Intake
+    archive: zipfile.ZipFile,
+    entry: zipfile.ZipInfo,
+    name: str,
+    whole: str,
+    rules: Rules,
+    intake: Intake,
 ) -> bytes:
     """Return what is in a file, as far as it is allowed: its size is counted while it is read."""
-    name = entry.orig_filename
     most = max(_SMALL, rules.ratio * entry.compress_size)
     parts, size = [], 0
     with archive.open(entry) as stream:

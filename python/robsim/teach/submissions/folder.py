@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from robsim.teach.errors import SubmissionError
@@ -134,14 +134,23 @@ def lone_zip(path: str, whole: str, intake: Intake) -> str | None:
 
     So platforms pack what somebody has uploaded as a zip. None = there is no such zip.
     """
-    found = []
+    names = {}
     with _told(whole, whole), _opened_folder(path) as folder, os.scandir(folder) as entries:
         for entry in entries:
             intake.count_entry()
-            is_folder = entry.is_dir(follow_symlinks=False)
-            if (is_folder or entry.name.lower().endswith(_GRADED)) and intake.wants(entry.name):
-                found.append(entry.name)
-    return found[0] if len(found) == 1 and found[0].lower().endswith(_ZIP) else None
+            names[entry.name] = entry.is_dir(follow_symlinks=False)
+    return lone_zip_of(names, intake)
+
+
+def lone_zip_of(names: Mapping[str, bool], intake: Intake) -> str | None:
+    """Return what `lone_zip` does, by names and whether they are folders."""
+    found = [
+        name
+        for name, is_folder in names.items()
+        if (is_folder or name.lower().endswith(_GRADED)) and intake.wants(name)
+    ]
+    is_zip = len(found) == 1 and found[0].lower().endswith(_ZIP) and not names[found[0]]
+    return found[0] if is_zip else None
 
 
 def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import unicodedata
 
@@ -10,6 +11,7 @@ from robsim.teach.errors import SubmissionError
 
 # Learning platforms put a student's whole name before that of a file.
 _LONGEST_PART, _LONGEST, _DEEPEST = 150, 250, 8
+_MOST_BYTES = 240  # of a name; systems take 255
 _FORBIDDEN = frozenset('<>:"|?*')
 _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³])(\..*)?", re.IGNORECASE)
 _DRIVE = re.compile(r"[A-Za-z]:")
@@ -38,13 +40,14 @@ def checked_path(name: str, whole: str) -> str | None:
         raise refusal_in(whole, name, said)
     parts = [unicodedata.normalize("NFC", part) for part in parts]
     for part in parts:
-        if problem := _problem(part):
+        if problem := problem_of(part):
             raise refusal_in(whole, name, f"{problem}: {RENAME}")
     return "/".join(parts)
 
 
-def _problem(part: str) -> str | None:
-    if len(part) > _LONGEST_PART:
+def problem_of(part: str) -> str | None:
+    """Return why not every system takes a name; None = all do."""
+    if len(part) > _LONGEST_PART or len(os.fsencode(part)) > _MOST_BYTES:
         return "has too long a name"
     if not part.isprintable():
         return "has characters in its name that cannot be seen"
@@ -68,14 +71,15 @@ class Paths:
         parts = path.split("/")
         for end in range(1, len(parts) + 1):
             new = "/".join(parts[:end]), end < len(parts)
-            known = self._known.setdefault(_same_for_all(new[0]), new)
+            known = self._known.setdefault(same_for_all(new[0]), new)
             if known is not new and not (known == new and new[1]):
                 said = f"and {quoted(known[0])} are one file on some systems: rename one of them"
                 twice = "is there twice: keep one of them"
                 raise refusal_in(self._whole, new[0], twice if known[0] == new[0] else said)
 
 
-def _same_for_all(path: str) -> str:
+def same_for_all(path: str) -> str:
+    """Return what paths have in common that are one file on some systems."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", path).casefold())
 
 

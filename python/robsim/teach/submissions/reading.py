@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
@@ -15,7 +16,7 @@ from robsim.simulation.callback_folder import TAKEN, imported_names, misspelled,
 from robsim.simulation.folder_modules import reserved_names
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.archive import most_of_archive, read_archive
+from robsim.teach.submissions.archive import most_of_archive, read_archive, read_from_class
 from robsim.teach.submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
 from robsim.teach.submissions.folder import (
     Intake,
@@ -36,6 +37,7 @@ from robsim.teach.submissions.python_text import (
 )
 from robsim.teach.submissions.rules import Rules
 
+_FORMS = (".zip", ".py", ".ipynb")
 _TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of these"
 
 
@@ -66,10 +68,42 @@ class Contents:
         default_factory=dict, repr=False, compare=False
     )
 
+    def written_to(self, folder: Path) -> Path:
+        """Write them into a new folder, and return the path of the submission in it."""
+        top = folder if self.is_one_file else folder / re.sub(r"[^\w ()-]", "_", self.name)
+        top.mkdir(parents=True)
+        for path, content in self.files.items():
+            (top / path).parent.mkdir(parents=True, exist_ok=True)
+            (top / path).write_bytes(content)
+        return top / next(iter(self.files)) if self.is_one_file else top
 
-def open_submission(path: str | PathLike[str], rules: Rules) -> Contents:
-    """Return the files of a submission, within the limits of rules; raise as `read_submission`."""
-    return _opened(Path(os.path.abspath(as_path(path))), rules)
+
+def open_submission(
+    path: str | PathLike[str], rules: Rules, files: Sequence[tuple[str, str]] = ()
+) -> Contents:
+    """Return the files of a submission, within the limits of rules; raise as `read_submission`.
+
+    With `files`, pairs of a place and its name in the submission, the path is a class: a folder or
+    a zip. The place of a folder ends in "/".
+    """
+    place = Path(os.path.abspath(as_path(path)))
+    return _of_class(place, files, rules) if files else _opened(place, rules)
+
+
+def _of_class(path: Path, files: Sequence[tuple[str, str]], rules: Rules) -> Contents:
+    first, name = files[0]
+    is_one_file = len(files) == 1 and bool(name)
+    whole = one_line(name if is_one_file else PurePosixPath(first).name)
+    if is_one_file and not name.lower().endswith(_FORMS):
+        raise refusal(whole, f" cannot be graded: {_TAKEN}")
+    if path.is_dir():
+        intake = Intake(whole, rules)
+        for place, file in files:
+            intake.add(file, _all_of(path / place, one_line(place), intake.most_of(file)))
+        found = intake.files
+    else:
+        whole, found = read_from_class(path, files, whole, rules)
+    return Contents(whole, found, is_one_file and not name.lower().endswith(_FORMS[0]))
 
 
 def arranged(contents: Contents, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
@@ -101,7 +135,7 @@ def _opened(path: Path, rules: Rules) -> Contents:
         most = most_of_archive(rules)
         read_archive(_all_of(path, name, most), name, rules, intake)
         return Contents(name, intake.files)
-    if suffix not in (".py", ".ipynb"):
+    if suffix not in _FORMS:
         raise refusal(name, f" cannot be graded: {_TAKEN}")
     file = f"{path.stem}{suffix}"
     intake.add(file, _all_of(path, name, intake.most_of(file)))

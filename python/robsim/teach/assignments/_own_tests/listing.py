@@ -18,6 +18,7 @@ from robsim.base.text import one_line
 from robsim.teach.assignments.assignment import Assignment, FileTests
 from robsim.teach.errors import AssignmentError
 from robsim.teach.results import ERROR, NOT_RUN, TestResult
+from robsim.teach.submissions.reading import Contents
 from robsim.teach.texts import clean_text
 
 
@@ -63,13 +64,13 @@ def run_own_tests(
     assignment: Assignment,
     test: FileTests,
     own: tuple[OwnTest, ...],
-    path: str,
+    contents: Contents,
     student: str,
     seconds: float,
     digest: str,
 ) -> tuple[TestResult, ...]:
     """Run a file for a submission, within so many seconds; return a result for each test."""
-    with _child(assignment, test, path, student, seconds) as (lines, status, said):
+    with _child(assignment, test, contents, student, seconds) as (lines, status, said):
         done = {data.pop("name"): data for kind, data in lines if kind == "result"}
         other = {"status": NOT_RUN, "sentence": _OUT_OF_TIME}
         if status is not None:
@@ -80,7 +81,7 @@ def run_own_tests(
 
 @contextmanager
 def _child(
-    assignment: Assignment, test: FileTests, path: str | None, student: str, seconds: float
+    assignment: Assignment, test: FileTests, contents: Contents | None, student: str, seconds: float
 ) -> Iterator[tuple[list[tuple[str, dict[str, Any]]], int | None, str]]:
     """Give what a child has told, its exit status (None = out of time) and its last words."""
     with tempfile.TemporaryDirectory(prefix="robsim-tests-") as folder:
@@ -89,7 +90,7 @@ def _child(
             "folder": str(assignment.folder),
             "file": assignment.files.index(test),
             "isolation": assignment.isolation,
-            "submission": path,
+            "submission": contents and str(contents.written_to(Path(folder, "handed in"))),
             "student": student,
             "out": str(out),
         }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
@@ -14,14 +14,15 @@ from typing import Any
 
 from robsim.base.checks import check_bool, check_callable, check_choice, check_text
 from robsim.base.files import as_path
-from robsim.base.text import one_line, quoted
+from robsim.base.spelling import suggestion
+from robsim.base.text import listed, one_line, quoted
 from robsim.base.warn import warn_user
 from robsim.campaigns.engines.engine import Engine, engine_value, rows_by
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.by_hand import take_table
-from robsim.teach.assignments.classes.plan import Plan, plan_of
+from robsim.teach.assignments.classes.plan import Plan, names_of, plan_of
 from robsim.teach.assignments.classes.progress import Schedule, Tell, again
 from robsim.teach.assignments.classes.store import ResultFolder, other_programs, write_class_files
 from robsim.teach.assignments.classes.submissions import (
@@ -33,6 +34,7 @@ from robsim.teach.assignments.classes.submissions import (
 from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.assignments.marking.work import Unit
 from robsim.teach.reports.tables import COLUMNS
+from robsim.teach.reports.words import person
 from robsim.teach.results import ERROR, SubmissionResult, TestResult
 
 
@@ -87,9 +89,9 @@ def grade_submission(
         If the result cannot be written.
     """
     check_is_assignment(assignment)
-    handed = one_submission(submission)
+    handed = one_submission(submission, assignment)
     if student is not None:
-        handed = Handed(check_text("student", student), handed.path)
+        handed = replace(handed, student=check_text("student", student), members=())
     file = None if gradescope is None else as_path(gradescope, "gradescope")
     if file is not None and student is None:
         check_is_one(handed, assignment)
@@ -112,6 +114,7 @@ def grade_class(
     executor: int | str | Executor | DaskClient | None = None,
     public: bool = False,
     only: Iterable[str] | None = None,
+    groups: str | PathLike[str] | None = None,
     columns: str = "robsim",
     pseudonyms: bool = False,
     teacher_pages: bool = False,
@@ -131,15 +134,22 @@ def grade_class(
     assignment : Assignment
         The assignment, with its tests and rules.
     submissions : path
-        The folder with the submissions; or a single one.
+        The folder with the submissions, or the zip of them as a platform packs it, which is not
+        unpacked; or a single one.
     out : path
         The folder for the results: one for each student, and of several ``class.html``,
         ``class.csv`` and ``by_hand.csv``.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
         What grades, as for `robsim.campaign`: so many processes, or others, which must see the
         same folders. Default: this process.
-    public, only
+    public
         As for `grade_submission`.
+    only : sequence of str, optional
+        The names of tests to run, and of students to grade; the results of others are those in
+        `out`. Default: all.
+    groups : path, optional
+        A table with the columns group and student: each member gets the marks of the group.
+        Default: ``groups.csv`` beside the submissions, if there is one.
     columns : {"robsim", "moodle", "canvas", "blackboard"}
         The learning platform whose columns ``class.csv`` has.
     pseudonyms : bool
@@ -166,7 +176,8 @@ def grade_class(
     Warns
     -----
     UserWarning
-        If files in the folder are no submissions, such as tables: they are left out.
+        If files in the folder are no submissions, such as tables: they are left out. If results
+        are in folders with other names than the students. About groups without a submission.
     """
     check_is_assignment(assignment)
     engine_value(executor)
@@ -174,13 +185,19 @@ def grade_class(
     folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
     check_callable("on_result", on_result)
-    handed = submissions_in(submissions, assignment, warn_user)
+    table = None if groups is None else as_path(groups, "groups")
+    handed = submissions_in(submissions, assignment, warn_user, table)
     others = other_programs(assignment, pseudonyms=pseudonyms) if len(handed) > 1 else {}
-    plan = plan_of(assignment, only=only, public=public, waits=True)
+    plan = plan_of(assignment, public=public, waits=True)
+    students = None
+    if only is not None:
+        plan, students = _only(plan, handed, names_of(only))
     _check_apart(folder.folder, handed)
     folder.by_hand = take_table(plan, folder, [one.student for one in handed])
-    done = grade_all(plan, handed, folder, executor=executor, tell=on_result)
+    done = grade_all(plan, handed, folder, executor=executor, tell=on_result, students=students)
     results = sorted(done.results, key=lambda result: result.student)
+    if left := [one.student for one in handed if one.student not in {r.student for r in results}]:
+        warn_user(f"not graded yet, and not in the table: {listed(left)}")
     write_class_files(
         assignment, done.programs, others, folder, results, columns=columns, pseudonyms=pseudonyms
     )
@@ -246,6 +263,29 @@ def regrade_class(
     return ClassResult(name=assignment.name, results=tuple(results), changes=changes)
 
 
+def _only(
+    plan: Plan, handed: Sequence[Handed], only: Sequence[str]
+) -> tuple[Plan, set[str] | None]:
+    """Return a plan with the tests in `only`, and the names of the students in it."""
+    students: dict[str, set[str]] = {}
+    for one in handed:
+        for name in (one.student, *one.members):
+            for alias in (name, person(name)):
+                students.setdefault(alias, set()).add(one.student)
+    known = [*plan.wanted, *students]
+    for name in only:
+        if name not in known:
+            what = f"{plan.assignment.name} has no test or student {quoted(name)}"
+            raise ValueError(what + suggestion(name, known))
+        if known.count(name) + len(students.get(name, "1")) > 2:
+            raise ValueError(
+                f"only: {quoted(name)} is not clear: several tests and students have it"
+            )
+    tests = plan.wanted.intersection(only) or plan.wanted
+    chosen = set().union(*(students.get(name, ()) for name in only))
+    return replace(plan, wanted=tests), chosen or None
+
+
 def _check_tables(assignment: Assignment, columns: str, *, pseudonyms: bool) -> None:
     check_choice("columns", columns, COLUMNS)
     if check_bool("pseudonyms", pseudonyms):
@@ -259,13 +299,15 @@ def grade_all(
     *,
     executor: Engine = None,
     tell: Tell | None = None,
+    students: Collection[str] | None = None,
 ) -> Schedule:
     """Grade submissions, write each result after each test, and return the schedule at the end.
 
-    Results that are in the folder already are gone on with.
+    Results that are in the folder already are gone on with. `students` are those to be graded;
+    None = all.
     """
     folder.folder.mkdir(parents=True, exist_ok=True)
-    schedule = Schedule(plan, handed, folder, tell)
+    schedule = Schedule(plan, handed, folder, tell, students)
     with closing(rows_by(engine_value(executor), plan.work, schedule)) as chunks:
         for rows in chunks:
             for row in rows:
@@ -275,8 +317,9 @@ def grade_all(
 
 def _check_apart(out: Path, handed: list[Handed]) -> None:
     place = Path(os.path.abspath(out))
-    folders = {Path(one.path).parent for one in handed} if len(handed) > 1 else set()
-    inside = {Path(one.path) for one in handed} | folders
+    inside = {Path(one.path) for one in handed}
+    if len(handed) > 1:
+        inside |= {Path(one.path).parent for one in handed if not one.files}
     if place in inside or not inside.isdisjoint(place.parents):
         raise ValueError(
             f"out must be apart from the submissions, got {one_line(out)}: what is written there "

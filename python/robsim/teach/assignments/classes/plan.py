@@ -53,7 +53,7 @@ def plan_of(
     and ValueError if a test is unknown.
     """
     check_bool("public", public)
-    asked = None if only is None else _names(only)
+    asked = None if only is None else names_of(only)
     tests = [t for t in assignment.all_tests if t.public or not public]
     if not tests:
         raise ValueError(f"{assignment.name} has no tests that are public")
@@ -85,10 +85,11 @@ def plan_of(
     return Plan(work, frozenset(wanted) - early, digests.of_assignment(assignment), said)
 
 
-def _names(only: Iterable[str] | str) -> list[str]:
+def names_of(only: Iterable[str] | str) -> list[str]:
+    """Return the argument `only`, which may be a single name; raise TypeError for others."""
     names = [only] if isinstance(only, str) else only
     if not isinstance(names, Sequence) or not all(isinstance(one, str) for one in names):
-        raise TypeError(f"only must be names of tests, got {quoted(only)}")
+        raise TypeError(f"only must be names, got {quoted(only)}")
     return list(names)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -23,6 +23,7 @@ from robsim.teach.errors import SubmissionError
 from robsim.teach.reports import words
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.results import ERROR, FAILED, NOT_RUN, SubmissionResult, TestResult
+from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.submissions.reading import Contents, arranged, open_submission
 from robsim.teach.texts import clean_text
 
@@ -55,7 +56,7 @@ class Progress:
         self.contents: Contents | None = None
         rules = self._assignment._rules()
         try:
-            self.contents = open_submission(self.handed.path, rules)
+            self.contents = open_submission(self.handed.path, rules, self.handed.files)
             files = arranged(self.contents, rules, self._assignment.files_of_all)
         except SubmissionError as error:
             self._refused = clean_text(str(error))
@@ -107,11 +108,11 @@ class Progress:
             seconds = self._assignment.seconds - self._seconds
             try:
                 if seconds >= _LEAST:
-                    files = None
-                    if self.contents is not None and isinstance(unit.test, TaskTest):
+                    assert self.contents is not None
+                    files: SubmissionFiles | Contents = replace(self.contents, found={})
+                    if isinstance(unit.test, TaskTest):
                         files = files_for(self._assignment, unit.test, self.contents)
-                    handed = self.handed
-                    return Job(self._index, number, handed.student, handed.path, files, seconds)
+                    return Job(self._index, number, self.handed.student, files, seconds)
                 self._end(unit, NOT_RUN, _OUT_OF_TIME)
             except Exception as error:  # such as that nothing of it is for this test
                 self._take(unit.failed_by(error))
@@ -134,6 +135,7 @@ class Progress:
             assignment=self._assignment.name,
             title=self._assignment.title,
             student=self.handed.student,
+            members=self.handed.members,
             tests=tests,
             notes=self._notes,
             isolation=self._isolation,
@@ -172,13 +174,20 @@ class Schedule:
     """Hands out the tests of submissions, each submission's tests one after the other.
 
     So the time of a submission is known, and there are no more open submissions than workers.
-    `tell` gets each finished result, and the reason of a repeated grading.
+    `tell` gets each finished result, and the reason of a repeated grading. Results of others than
+    `students` are those in the folder; None = all are graded.
     """
 
     def __init__(
-        self, plan: Plan, handed: Sequence[Handed], folder: ResultFolder, tell: Tell | None
+        self,
+        plan: Plan,
+        handed: Sequence[Handed],
+        folder: ResultFolder,
+        tell: Tell | None,
+        students: Collection[str] | None,
     ) -> None:
         self._plan, self._folder, self._tell = plan, folder, tell
+        self._students = students
         self._waiting = enumerate(handed)
         self._is_class = len(handed) > 1
         self._open: dict[int, Progress] = {}
@@ -193,11 +202,15 @@ class Schedule:
                 return [job]
         for index, handed in self._waiting:
             old = self._folder.read(handed.student)
-            self._open[index] = progress = Progress(index, handed, self._plan, old)
+            progress = Progress(index, handed, self._plan, old)
             if self._is_class and progress.contents is not None:
                 with suppress(SubmissionError):
                     files = arranged(progress.contents, self._plan.assignment._rules(), {})
                     self.programs[handed.student] = program_of(files.sources)
+            if self._students is not None and handed.student not in self._students:
+                self.results += [] if old is None else [old]
+                continue
+            self._open[index] = progress
             if job := self._next(index):
                 return [job]
         return []

@@ -15,9 +15,9 @@ from robsim.base.checks import Floats
 from robsim.base.files import write_whole
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.assignment_file import solutions_for
-from robsim.teach.assignments.classes.submissions import problems_of_names, submissions_in
+from robsim.teach.assignments.classes.submissions import submissions_in
 from robsim.teach.assignments.marking.references import key_for
-from robsim.teach.errors import AssignmentError, SubmissionError
+from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import Program, program_of
 from robsim.teach.reports.writing import RESULT, folder_name, write_class, write_student
@@ -45,8 +45,6 @@ class ResultFolder:
         self._gradescope = gradescope
 
     def of(self, student: str) -> Path:
-        if problems := problems_of_names([student]):
-            raise AssignmentError(problems[0])
         return self.folder / folder_name(student)
 
     def read(self, student: str) -> SubmissionResult | None:

@@ -150,7 +150,7 @@ def play_run(
     """
     check_is_assignment(assignment)
     tests = {one.name: one for one in assignment.tests}
-    handed = one_submission(submission)
+    handed = one_submission(submission, assignment)
     check_is_one(handed, assignment)
     name = handed.student if student is None else check_text("student", student)
     named = [check_text("test", test)]
@@ -165,7 +165,7 @@ def play_run(
     files: tuple[Path, ...] = ()
     if folder is not None:
         files = tuple(folder.of(name) / f"{test}-run{run}{kind}" for kind in (".npz", ".png"))
-    contents = open_submission(handed.path, assignment._rules())
+    contents = open_submission(handed.path, assignment._rules(), handed.files)
     task = graded_task(assignment, one, files_for(assignment, one, contents))
     seeds = seeds_of(assignment, one, name, run)
     failed, numbers = "", {}

@@ -17,6 +17,7 @@ from robsim.teach.assignments.marking.task_runs import RunTest, run_task_test
 from robsim.teach.errors import GraderError, GradingError, SubmissionError
 from robsim.teach.results import ERROR, FAILED, TestResult
 from robsim.teach.submissions import SubmissionFiles
+from robsim.teach.submissions.reading import Contents
 from robsim.teach.texts import clean_text
 
 _DIED = "the grader's own process ended in this test, whenever it was tried: tell your teacher"
@@ -54,15 +55,13 @@ class Unit:
 class Job(NamedTuple):
     """A unit of tests of a submission, and how long it may take (s).
 
-    It has the submission's files, as they count in a test by a task; a process that runs tests of
-    the teacher's own reads them where they lie.
+    It has the submission's files: those that count in a test by a task, else all.
     """
 
     submission: int
     unit: int
     student: str
-    path: str
-    files: SubmissionFiles | None
+    files: SubmissionFiles | Contents
     seconds: float
 
 
@@ -106,14 +105,15 @@ class Grader:
         try:
             if isinstance(unit.test, TaskTest):
                 return self._by_task(job, unit.test, unit.digest)
-            given = (unit.own, job.path, job.student, job.seconds, unit.digest)
+            assert isinstance(job.files, Contents)
+            given = (unit.own, job.files, job.student, job.seconds, unit.digest)
             results = run_own_tests(self._work.assignment, unit.test, *given)
             return Row(job.submission, job.unit, results)
         except Exception as error:
             return Row(job.submission, job.unit, unit.failed_by(error))
 
     def _by_task(self, job: Job, test: TaskTest, digest: str) -> Row:
-        assert job.files is not None
+        assert isinstance(job.files, SubmissionFiles)
         given = (job.files, job.student, self._references, job.seconds)
         run = run_task_test(self._work.assignment, test, *given)
         finding = self._doctor.finding(run, job.seconds - run.seconds)

@@ -1,0 +1,117 @@
+"""Groups: students who have handed in a submission together."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robsim.base.files import read_text
+from robsim.base.text import listed, one_line
+from robsim.teach.errors import SubmissionError
+from robsim.teach.reports.words import OF_MOODLE, person
+from robsim.teach.submissions import Rules
+from robsim.teach.submissions.reading import open_submission
+
+if TYPE_CHECKING:
+    from robsim.teach.assignments.classes.submissions import Handed
+
+FILE = "groups.csv"  # beside the submissions
+_COLUMNS = ["group", "student"]
+
+
+def read_groups(file: Path) -> dict[str, list[str]]:
+    """Return the students by group from a table with the columns group and student.
+
+    Raise ValueError if a column is missing, or if students are in two groups.
+    """
+    lines = read_text(file).splitlines() or [""]
+    separator = max(",;\t", key=lines[0].count)
+    heads, *rows = [
+        [cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)
+    ]
+    heads = [head.lower() for head in heads]
+    if missing := [name for name in _COLUMNS if name not in heads]:
+        raise ValueError(
+            f"{one_line(file)} must have the columns group and student, got no {missing[0]}"
+        )
+    groups: dict[str, list[str]] = {}
+    for row in rows:
+        group, student = (dict(zip(heads, row, strict=False)).get(name, "") for name in _COLUMNS)
+        if group and student:
+            groups.setdefault(group, []).append(student)
+    known = [student for students in groups.values() for student in students]
+    if twice := [student for student in dict.fromkeys(known) if known.count(student) > 1]:
+        raise ValueError(f"{one_line(file)} has these students more than once: {listed(twice)}")
+    return groups
+
+
+def in_groups(
+    handed: Sequence[Handed],
+    table: Mapping[str, Sequence[str]] | None,
+    rules: Rules,
+    tell: Callable[[str], None],
+) -> tuple[list[Handed], list[str]]:
+    """Return the submissions of groups and of others, and a sentence for each problem.
+
+    The submission of a group has its name, or that of a member. Moodle puts a copy into a folder of
+    each member, ``GROUP-NAME_...``; without a table these are a group if they are the same.
+    """
+    groups = _of_moodle(handed, rules, tell) if table is None else table
+    where = {name: group for group, students in groups.items() for name in (*students, group)}
+    found: dict[str, list[Handed]] = {}
+    alone: list[Handed] = []
+    for one in handed:
+        name = person(one.student)
+        group = where.get(one.student) or where.get(name) or name.partition("-")[0]
+        (found.setdefault(group, []) if group in groups else alone).append(one)
+    if table is not None and (missing := [group for group in groups if group not in found]):
+        tell(f"these groups have no submission: {listed(missing)}")
+    if table is not None and alone:
+        tell(f"graded alone, because they are in no group: {listed(one.student for one in alone)}")
+    problems = [
+        f"{len(ones)} submissions of the group {one_line(group)}, "
+        f"{listed(one.student for one in ones)}: keep the one that counts"
+        for group, ones in found.items()
+        if not _are_same(ones, rules)
+    ]
+    together = [_of_group(group, ones, groups[group]) for group, ones in found.items()]
+    return sorted([*alone, *together], key=lambda one: one.student), problems
+
+
+def _of_group(group: str, ones: Sequence[Handed], students: Sequence[str]) -> Handed:
+    # The names of platforms have numbers, which their tables need.
+    names = [one.student.removeprefix(f"{group}-") for one in ones]
+    known = {person(name): name for name in names}
+    members = tuple(one_line(known.get(student, student)) for student in students)
+    return replace(ones[0], student=one_line(group), members=members)
+
+
+def _of_moodle(
+    handed: Sequence[Handed], rules: Rules, tell: Callable[[str], None]
+) -> dict[str, list[str]]:
+    found: dict[str, list[Handed]] = {}
+    for one in handed:
+        group, dash, _ = person(one.student).partition("-")
+        if dash and OF_MOODLE.fullmatch(one.student):
+            found.setdefault(group, []).append(one)
+    groups = {
+        group: [one.student.removeprefix(f"{group}-") for one in ones]
+        for group, ones in found.items()
+        if len(ones) > 1 and _are_same(ones, rules)
+    }
+    if groups:
+        tell(f"graded as groups, because their members have the same files: {listed(groups)}")
+    return groups
+
+
+def _are_same(handed: Sequence[Handed], rules: Rules) -> bool:
+    if len(handed) == 1:
+        return True
+    try:
+        first, *others = (open_submission(h.path, rules, h.files).files for h in handed)
+    except SubmissionError:
+        return False
+    return all(files == first for files in others)
