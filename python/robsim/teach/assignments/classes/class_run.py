@@ -91,7 +91,9 @@ def grade_submission(
     check_is_assignment(assignment)
     handed = one_submission(submission, assignment)
     if student is not None:
-        handed = replace(handed, student=check_text("student", student), members=())
+        if not check_text("student", student):
+            raise ValueError("student must be a name, got ''")
+        handed = replace(handed, student=student, members=())
     file = None if gradescope is None else as_path(gradescope, "gradescope")
     if file is not None and student is None:
         check_is_one(handed, assignment)
