@@ -290,7 +290,10 @@ class SubmissionResult:
 
     def to_json(self) -> str:
         """Return it as JSON; numbers that are not finite are null."""
-        return json.dumps(finite({"format": FORMAT} | asdict(self)), indent=1, allow_nan=False)
+        data = {"format": FORMAT} | asdict(self)
+        if not self.members:  # as in files of earlier versions
+            del data["members"]
+        return json.dumps(finite(data), indent=1, allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> SubmissionResult:

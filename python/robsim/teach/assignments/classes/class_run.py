@@ -187,13 +187,14 @@ def grade_class(
     folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
     _check_tables(assignment, columns, pseudonyms=pseudonyms)
     check_callable("on_result", on_result)
+    asked = None if only is None else names_of(only)
     table = None if groups is None else as_path(groups, "groups")
     handed = submissions_in(submissions, assignment, warn_user, table)
     others = other_programs(assignment, pseudonyms=pseudonyms) if len(handed) > 1 else {}
     plan = plan_of(assignment, public=public, waits=True)
     students = None
-    if only is not None:
-        plan, students = _only(plan, handed, names_of(only))
+    if asked is not None:
+        plan, students = _only(plan, handed, asked)
     _check_apart(folder.folder, handed)
     folder.by_hand = take_table(plan, folder, [one.student for one in handed])
     done = grade_all(plan, handed, folder, executor=executor, tell=on_result, students=students)

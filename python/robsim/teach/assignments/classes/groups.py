@@ -56,8 +56,8 @@ def in_groups(
 ) -> tuple[list[Handed], list[str]]:
     """Return the submissions of groups and of others, and a sentence for each problem.
 
-    The submission of a group has its name, or that of a member. Moodle puts a copy into a folder of
-    each member, ``GROUP-NAME_...``; without a table these are a group if they are the same.
+    The submission of a group has the name of the group or of a member. Moodle puts a copy into a
+    folder of each member, ``GROUP-NAME_...``. Without a table, equal copies are a group.
     """
     groups = _of_moodle(handed, rules, tell) if table is None else table
     where = {name: group for group, students in groups.items() for name in (*students, group)}
