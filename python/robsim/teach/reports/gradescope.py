@@ -118,7 +118,7 @@ def _output(result: SubmissionResult) -> str:
     if not result.is_done:
         lines.append("Not all tests have been run.")
     lines += map(clean_text, dict.fromkeys(test.sentence for test in words.waiting(result)))
-    lines += map(clean_text, words.notes(result))
+    lines += map(clean_text, [*result.notes, *words.provisional(result)])
     if isolation := words.isolation_text(result):
         lines.append(f"Isolation: {clean_line(isolation, 1000)}")
     return "\n".join(lines)

@@ -83,8 +83,12 @@ def test_title(test: TestResult) -> str:
 def notes(result: SubmissionResult) -> list[str]:
     """Return what is to be said of the submission as a whole."""
     start = "It could not be read, and nothing of it was run. " if result.is_unread else ""
-    provisional = [PROVISIONAL] if any(test.provisional for test in result.tests) else []
-    return [*by_hand(result), *(f"{start}{note}" for note in result.notes), *provisional]
+    own = (f"{start}{note}" for note in result.notes)
+    return [*by_hand(result), *own, *provisional(result)]
+
+
+def provisional(result: SubmissionResult) -> list[str]:
+    return [PROVISIONAL] if any(test.provisional for test in result.tests) else []
 
 
 def by_hand(result: SubmissionResult) -> list[str]:
