@@ -116,6 +116,29 @@ def test_a_whole_board_is_found_in_the_dark():
         assert len(found.pixels) == 54
 
 
+@pytest.mark.parametrize(
+    ("board", "turn", "place"),
+    [
+        (Chessboard(11, 8, 16), (0.24, 1.23, -2.12), (79, 97, 545)),
+        (Chessboard(7, 5, 25), (0.39, 0.98, 0.89), (-259, -174, 828)),
+    ],
+)
+def test_a_board_whose_squares_are_narrow_rhombs_is_found(board, turn, place):
+    shot = Shot(turn=turn, place=place)
+    picture = photograph(shot, [(board, (0, 0, 0))])
+    found = board.find(picture)
+    true = true_pixels(shot, found.positions - np.array(board.size) / 2, (0, 0, 0))
+    errors = min(found.pixels - true, found.pixels[::-1] - true, key=np.ptp)  # it has no top
+    assert np.sqrt((errors**2).sum(axis=1).mean()) < 0.3
+
+
+def test_a_board_whose_corners_are_cut_off_is_not_guessed():
+    board, shot = Chessboard(8, 5, 22), Shot(turn=(-0.3, 0.89, -0.9), place=(-201, 213, 853))
+    picture = photograph(shot, [(board, (0, 0, 0))])
+    left = np.sort(board.find(picture).pixels[:, 0])
+    assert board.find(picture[:, int(left[1]) + 1 :]) is None
+
+
 def test_a_board_of_another_size_is_not_found():
     picture = photograph(NEAR, [(Chessboard(9, 6, 20), (0, 0, 0))])
     for size in ((8, 6), (9, 5), (8, 5), (10, 6), (9, 7), (10, 7)):

@@ -23,8 +23,11 @@ from robsim.vision.imaging.video import load_opencv
 
 _LARGEST = 50  # corners or squares along a side
 _FEWEST = 6  # corners of a ChArUco board that tell its pose
-_SMALL = 2**20  # px of a picture that may be enlarged.
+_REDUCED = 1280.0  # px of a side.
+_FLAT = (24, 48)  # px of a square that is mapped to one.
+_MARGIN = 3.0  # px at the edge of a picture, which its map to squares repeats.
 _MOST_BEND = 0.5  # of a step between corners.
+_MOST_FLAT_BEND = 0.2  # of a step, where all are mapped to about the same.
 _LEAST_CONTRAST = 0.1  # of neighbouring squares, of the median.
 _BITS = 5  # cells along a mark of a ChArUco board, without its border
 
@@ -81,13 +84,18 @@ class Chessboard:
         """
         cv2 = load_opencv(PURPOSE)
         gray = gray_of(image)
-        grids = (self._refined(cv2, gray, about) for about in self._tries(cv2, gray))
-        grid = next((one for one in grids if one is not None), None)
+        grid = self._grid(cv2, gray)
+        if grid is None:
+            grid = self._flattened(cv2, gray)
         if grid is None:
             return None
         rows, columns = np.mgrid[1 : self.rows + 1, 1 : self.columns + 1]
         positions = self.square * np.stack([columns, rows], axis=-1).reshape(-1, 2)
         return Corners(positions.astype(float), grid.reshape(-1, 2))
+
+    def _grid(self, cv2: Any, gray: Pixels) -> Floats | None:
+        grids = (self._refined(cv2, gray, about) for about in self._tries(cv2, gray))
+        return next((one for one in grids if one is not None), None)
 
     def _tries(self, cv2: Any, gray: Pixels) -> Iterator[Floats]:
         """Yield about where detectors have the corners; none of them finds all boards."""
@@ -96,12 +104,28 @@ class Chessboard:
             found, pixels = cv2.findChessboardCornersSB(gray, size, flags=flags)
             if found:
                 yield np.asarray(pixels, float)
-        for scale in (1, 2) if gray.size <= _SMALL else (1,):
-            scaled = cv2.resize(gray, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
-            flags = cv2.CALIB_CB_ADAPTIVE_THRESH  # histograms made even would take seconds
-            found, pixels = cv2.findChessboardCorners(scaled, size, flags=flags)
-            if found:
-                yield (np.asarray(pixels, float) + 0.5) / scale - 0.5
+        flags = cv2.CALIB_CB_ADAPTIVE_THRESH  # histograms made even would take seconds
+        found, pixels = cv2.findChessboardCorners(gray, size, flags=flags)
+        if found:
+            yield np.asarray(pixels, float)
+
+    def _flattened(self, cv2: Any, gray: Pixels) -> Floats | None:
+        """Return the corners that are found where a part of the board is mapped to squares."""
+        reach = max(self.columns, self.rows) + 1  # squares from the part to the farthest edge
+        bounds = np.array(gray.shape[::-1]) - _MARGIN
+        for steps, centre in _parts(cv2, gray):
+            side = int(np.clip(np.linalg.norm(steps, axis=0).max(), *_FLAT))
+            flatten = side * np.linalg.inv(steps)
+            shift = side * reach - flatten @ centre
+            to_flat, size = np.column_stack([flatten, shift]), 2 * side * reach
+            flat = cv2.warpAffine(gray, to_flat, (size, size), borderMode=cv2.BORDER_REPLICATE)
+            grid = self._grid(cv2, flat)
+            if grid is None or not _is_even(grid, _MOST_FLAT_BEND):
+                continue
+            corners = np.asarray((grid - shift) @ np.linalg.inv(flatten).T)
+            if (corners > _MARGIN).all() and (corners < bounds).all():
+                return corners
+        return None
 
     def _refined(self, cv2: Any, gray: Pixels, about: Floats) -> Floats | None:
         """Return the corners (rows, columns, 2); None if no board of this size is there."""
@@ -115,14 +139,14 @@ def _shortest(grid: Floats) -> float:
     return min(float(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min()) for axis in (0, 1))
 
 
-def _is_even(grid: Floats) -> bool:
+def _is_even(grid: Floats, most: float = _MOST_BEND) -> bool:
     """Return whether corners (R, C, 2) follow each other evenly, but for perspective and lens."""
     for axis in (0, 1):
         steps = np.diff(grid, axis=axis)
         lengths = np.linalg.norm(steps, axis=2)
         before, after = (np.delete(lengths, end, axis=axis) for end in (-1, 0))
         bends = np.linalg.norm(np.diff(steps, axis=axis), axis=2)
-        if (bends > _MOST_BEND * np.minimum(before, after)).any():
+        if (bends > most * np.minimum(before, after)).any():
             return False
     return True
 
@@ -149,6 +173,41 @@ def has_squares(cv2: Any, gray: Pixels, grid: Floats, *, is_part: bool = False) 
     beyond = (levels[0], levels[-1], levels[:, 0], levels[:, -1])
     farther = [(line[1:-2] + line[2:-1]) / typical for line in beyond]
     return not any((line > 0.5).all() for line in farther)
+
+
+def reduced(cv2: Any, gray: Pixels) -> tuple[Pixels, float]:
+    """Return a smaller picture if this one is large, and its scale."""
+    scale = min(max(_REDUCED / max(gray.shape), 1 / min(gray.shape)), 1.0)
+    return cv2.resize(gray, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), scale
+
+
+def find_part(cv2: Any, gray: Pixels, flags: int) -> Floats | None:
+    """Return corners (R, C, 2) that may be a part of a chessboard, 3 x 3 or more."""
+    flags |= cv2.CALIB_CB_LARGER
+    found, pixels, meta = cv2.findChessboardCornersSBWithMeta(gray, (3, 3), flags=flags)
+    return np.asarray(pixels, float).reshape(*meta.shape, 2) if found else None
+
+
+def _parts(cv2: Any, gray: Pixels) -> Iterator[tuple[Floats, Floats]]:
+    """Yield steps (columns of a 2 x 2 matrix) and centres of possible parts of a chessboard."""
+    small, scale = reduced(cv2, gray)
+    extent = np.array(small.shape[::-1])
+    turns = np.radians((0, 45, 90, 135))
+    along = np.column_stack([np.cos(turns), np.sin(turns)])
+    # detectors miss narrow rhombs, but not in a picture that is stretched along the right line
+    for stretch in (np.eye(2), *(0.7 * (np.eye(2) + np.outer(one, one)) for one in along)):
+        size = tuple((np.abs(stretch) @ extent).astype(int))
+        shift = (size - stretch @ extent) / 2
+        to_view = np.column_stack([stretch, shift])
+        view = cv2.warpAffine(small, to_view, size, borderMode=cv2.BORDER_REPLICATE)
+        grid = find_part(cv2, view, cv2.CALIB_CB_NORMALIZE_IMAGE)
+        if grid is None:
+            continue
+        back = np.linalg.inv(scale * stretch)
+        means = [np.diff(grid, axis=axis).mean(axis=(0, 1)) for axis in (1, 0)]
+        steps = back @ np.column_stack(means)
+        if np.linalg.det(steps) > 1:  # neither mirrored nor on a line
+            yield steps, back @ (grid.mean(axis=(0, 1)) - shift)
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,16 @@ from typing import Any
 import numpy as np
 
 from robsim.base.checks import Floats
-from robsim.lab.calibration.patterns.boards import Charuco, Chessboard, has_squares
+from robsim.lab.calibration.patterns.boards import (
+    Charuco,
+    Chessboard,
+    find_part,
+    has_squares,
+    reduced,
+)
 from robsim.lab.calibration.patterns.pattern import PURPOSE, Pixels, gray_of
 from robsim.vision.imaging.video import load_opencv
 
-_LARGEST = 1280.0  # px of a side.
 _SMALL = 8.0  # px of a square.
 _EDGE = 1.5  # squares between the corners and the picture's edge.
 _WHITE = 250  # level of glare.
@@ -24,8 +29,7 @@ def why_unseen(board: Chessboard | Charuco, image: Pixels) -> str:
         return "mirrored"
     cv2 = load_opencv(PURPOSE)
     gray = gray_of(image)
-    scale = min(_LARGEST / max(gray.shape), 1.0)
-    small = cv2.resize(gray, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    small, scale = reduced(cv2, gray)
     grid = _part(cv2, small) if isinstance(board, Chessboard) else None
     if grid is None:
         dim = np.quantile(small, 0.99) < 40
@@ -55,13 +59,9 @@ def why_unseen(board: Chessboard | Charuco, image: Pixels) -> str:
 def _part(cv2: Any, gray: Pixels) -> Floats | None:
     """Return the corners (R, C, 2) of a part of a chessboard, 3 x 3 or more."""
     for flags in (0, cv2.CALIB_CB_NORMALIZE_IMAGE):
-        found, pixels, meta = cv2.findChessboardCornersSBWithMeta(
-            gray, (3, 3), flags=flags | cv2.CALIB_CB_LARGER
-        )
-        if found:
-            grid = np.asarray(pixels, float).reshape(*meta.shape, 2)
-            if has_squares(cv2, gray, grid, is_part=True):
-                return grid
+        grid = find_part(cv2, gray, flags)
+        if grid is not None and has_squares(cv2, gray, grid, is_part=True):
+            return grid
     return None
 
 
