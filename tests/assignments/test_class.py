@@ -111,15 +111,21 @@ def test_copies_of_solutions_and_of_earlier_years_are_named(hw3, folders):
     shutil.copytree(subs / "s003", earlier / "2025/anna")
     shutil.copy(subs / "s003/estimate_state.py", earlier / "ben.py")
     (earlier / "broken.zip").write_bytes(b"no zip")
+    place = "Cleo_12_assignsubmission_file_/estimate_state.py"
+    with zipfile.ZipFile(earlier / "2024.zip", "w") as packed:  # as a platform packs a class
+        packed.write(subs / "s003/estimate_state.py", place)
+        packed.writestr(place.replace("Cleo_12", "Dana_13"), "def estimate_state(step): ...")
     try:
         grade_class(hw3, subs, out)
         text = (out / "class.html").read_text()
         grade_class(hw3, subs, out, pseudonyms=True)
     finally:
         shutil.rmtree(earlier)
-    assert "s003, earlier: 2025/anna, earlier: ben" in text
+    assert "s003, earlier: 2024.zip/Cleo, earlier: 2025/anna, earlier: ben" in text
     assert "s001, shipped solution estimate/reference" in text
-    assert "anna" not in (out / "class.html").read_text()
+    assert not re.search("anna|Cleo|s003", (out / "class.html").read_text())
+    regrade_class(hw3, out)  # which reads no programs
+    assert (out / "class.html").read_text() == text
 
 
 def test_archives_that_are_not_read_have_a_row_and_a_sentence(hw3, tmp_path):

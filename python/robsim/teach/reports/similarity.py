@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import keyword
 import re
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, pairwise, product
+from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -126,6 +128,9 @@ _NEAR = 3  # lines between parts that are one passage
 _FEW_STUDENTS, _FEW_OTHERS = 10, 50
 
 
+EARLIER_YEAR = "earlier: "  # begins the name of a submission of an earlier year
+
+
 @dataclass(frozen=True)
 class Group:
     """Programs with the same functions and classes, but for names, numbers, comments, layout."""
@@ -167,6 +172,42 @@ class Comparison:
     pairs: Sequence[SimilarPair]  # the most similar first
     common_lines: int  # lines that pairs leave out, because many students have them
     mostly_common: Sequence[str]  # students who have more such lines than others
+
+    def renamed(self, pseudonym: Callable[[str], str]) -> Comparison:
+        """Return it with other names of students, and without text."""
+
+        def name(old: str) -> str:
+            year = EARLIER_YEAR if old.startswith(EARLIER_YEAR) else ""
+            is_solution = "/" in old and not year
+            return old if is_solution else year + pseudonym(old.removeprefix(year))
+
+        def in_order(names: Iterable[str]) -> list[str]:
+            return sorted(map(name, names), key=lambda one: (":" in one or "/" in one, one))
+
+        return Comparison(
+            [replace(one, names=in_order(one.names)) for one in self.groups],
+            [
+                replace(one, first=name(one.first), second=name(one.second), passages=())
+                for one in self.pairs
+            ],
+            self.common_lines,
+            in_order(self.mostly_common),
+        )
+
+
+def read_comparison(file: Path) -> Comparison | None:
+    """Return a comparison from a file, or None if it has none."""
+    try:
+        data = json.loads(file.read_bytes())
+        groups = [Group(**one) for one in data["groups"]]
+        for one in data["pairs"]:
+            one["passages"] = tuple(
+                (Passage(**left), Passage(**right)) for left, right in one["passages"]
+            )
+        pairs = [SimilarPair(**one) for one in data["pairs"]]
+        return Comparison(**data | {"groups": groups, "pairs": pairs})
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
 
 
 def compared(

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
 
 from robsim.base.files import as_folder, write_whole
 from robsim.teach.reports.pages import Paths, class_page, student_page
-from robsim.teach.reports.similarity import Program, compared
+from robsim.teach.reports.similarity import Program, compared, read_comparison
 from robsim.teach.reports.student_text import for_student, pseudonymous, student_text
 from robsim.teach.reports.tables import marks_table
 from robsim.teach.results import SubmissionResult
@@ -20,6 +21,7 @@ from robsim.teach.submissions.names import problem_of
 
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
 CLASS, MARKS, TABLE = "class.html", "class.csv", "by_hand.csv"
+SIMILAR = "similar.json"
 _KEPT = 40  # characters of a name that not every system takes
 
 
@@ -80,28 +82,32 @@ def write_class(
     """Write the reports of a class, ``class.html`` and ``class.csv``, beside its submissions.
 
     The paths of the best runs are in the unit of `area`, by test and student. The page compares the
-    programs by student (`program_of`) with each other and with `others`, without given text. It
-    links to ``teacher.html`` where that is there, else to ``index.html``. With pseudonyms no text
-    and no program is shown. Columns and title are those of `marks_table`. Raise OSError, or
-    ValueError for no result and for unknown columns.
+    programs by student (`program_of`) with each other and with `others`, without given text. If
+    there are none, it shows the last comparison, which ``similar.json`` keeps. It links to
+    ``teacher.html`` where that is there, else to ``index.html``. With pseudonyms no text and no
+    program is shown. Columns and title are those of `marks_table`. Raise OSError, or ValueError for
+    no result and for unknown columns.
     """
     folder = as_folder(folder)
     shown = sorted(results, key=lambda result: result.student)
     if not shown:
         raise ValueError("results must have at least one result of a submission")
-    named = {(pseudonym or str)(name): program for name, program in (programs or {}).items()}
-    found = None if programs is None else compared(named, given, others)
+    folder.mkdir(parents=True, exist_ok=True)
+    if programs is None:
+        found = read_comparison(folder / SIMILAR)
+    else:
+        found = compared(programs, given, others)
+        write_whole(folder / SIMILAR, json.dumps(asdict(found)).encode())
     links = {result.student: _link(folder, folder_name(result.student)) for result in shown}
     if pseudonym is not None:
         shown = sorted(pseudonymous(shown, pseudonym), key=lambda result: result.student)
-        found = found and replace(found, pairs=[replace(one, passages=()) for one in found.pairs])
+        found = found and found.renamed(pseudonym)
         paths = {
             test: {pseudonym(who): path for who, path in drawn.items() if who in links}
             for test, drawn in (paths or {}).items()
         }
         links = {}
     table = marks_table(shown, columns=columns, title=title)
-    folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / MARKS, _utf8(table))
     content = class_page(shown, paths=paths, area=area, found=found, links=links)
     write_whole(folder / CLASS, _utf8(content))

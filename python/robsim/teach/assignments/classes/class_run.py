@@ -190,7 +190,7 @@ def grade_class(
     asked = None if only is None else names_of(only)
     table = None if groups is None else as_path(groups, "groups")
     handed = submissions_in(submissions, assignment, warn_user, table)
-    others = other_programs(assignment, pseudonyms=pseudonyms) if len(handed) > 1 else {}
+    others = other_programs(assignment) if len(handed) > 1 else {}
     plan = plan_of(assignment, public=public, waits=True)
     students = None
     if asked is not None:
@@ -217,8 +217,8 @@ def regrade_class(
 ) -> ClassResult:
     """Recompute the marks after limits, points or ``by_hand.csv`` have changed.
 
-    Nothing is run: the numbers of the runs are those in the folder. The page of the class does
-    not report similar programs, because the programs are not read.
+    Nothing is run: the numbers of the runs are those in the folder, and so are the similar programs
+    on the page of the class.
 
     Parameters
     ----------

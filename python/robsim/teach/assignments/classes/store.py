@@ -19,7 +19,7 @@ from robsim.teach.assignments.classes.submissions import submissions_in
 from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.gradescope import write_gradescope
-from robsim.teach.reports.similarity import Program, program_of
+from robsim.teach.reports.similarity import EARLIER_YEAR, Program, program_of
 from robsim.teach.reports.writing import RESULT, folder_name, write_class, write_student
 from robsim.teach.results import ByHand, SubmissionResult, TestResult
 from robsim.teach.submissions.reading import open_submission
@@ -104,8 +104,8 @@ def write_class_files(
 ) -> None:
     """Write page and table of a class into the folder of its results; a single one is no class.
 
-    Without the `programs` by student the page does not report similar programs; `others` come
-    from `other_programs`.
+    Without the `programs` by student the page reports the similar programs that were found before;
+    `others` come from `other_programs`.
     """
     if len(results) < 2:
         return
@@ -150,13 +150,12 @@ def _given(assignment: Assignment) -> Iterator[Program]:
         yield program_of({file.name: file.read_bytes() for file in sorted(start.glob("*.py"))})
 
 
-def other_programs(assignment: Assignment, *, pseudonyms: bool) -> dict[str, Program]:
+def other_programs(assignment: Assignment) -> dict[str, Program]:
     """Return possible sources of copies by their names on the page.
 
     These are the solutions of tasks, and the submissions in ``earlier/``: each entry is one, or a
     folder of them. Raise AssignmentError or OSError as `submissions_in`.
     """
-    pseudonym = key_for(assignment, public=False).pseudonym if pseudonyms else str
     found = {}
     for task in {test.task.name: test.task for test in assignment.tests}.values():
         for one in (*task.solutions, *solutions_for(assignment.folder, task)):
@@ -166,8 +165,9 @@ def other_programs(assignment: Assignment, *, pseudonyms: bool) -> dict[str, Pro
             found[f"{kind} {task.name}/{one.name}"] = program_of(sources)
     for entry in sorted((assignment.folder / EARLIER).glob("[!._]*")):
         for handed in submissions_in(entry, assignment):
-            name = handed.student if handed.path == str(entry) else f"{entry.name}/{handed.student}"
+            is_class = handed.files or handed.path != str(entry)
+            name = f"{entry.name}/{handed.student}" if is_class else handed.student
             with suppress(SubmissionError):
-                contents = open_submission(handed.path, assignment._rules())
-                found[f"earlier: {pseudonym(name)}"] = program_of(contents.files)
+                contents = open_submission(handed.path, assignment._rules(), handed.files)
+                found[f"{EARLIER_YEAR}{name}"] = program_of(contents.files)
     return found
