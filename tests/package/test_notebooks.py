@@ -25,7 +25,6 @@ print([thread.name for thread in threading.enumerate() if thread.name.startswith
 """
 # As many runs as show that it works.
 SHORTER = {
-    "false_fail=0.05": "false_fail=0.5, confidence=0.5",
     '"runs = 3"': '"runs = 2"',
     '"steps = 40"': '"steps = 20"',
 }

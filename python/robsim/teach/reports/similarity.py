@@ -196,7 +196,7 @@ class Comparison:
 
 
 def read_comparison(file: Path) -> Comparison | None:
-    """Return a comparison from a file, or None if it has none."""
+    """Return the comparison in a file, or None if there is no such file."""
     try:
         data = json.loads(file.read_bytes())
         groups = [Group(**one) for one in data["groups"]]

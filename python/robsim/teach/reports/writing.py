@@ -83,7 +83,7 @@ def write_class(
 
     The paths of the best runs are in the unit of `area`, by test and student. The page compares the
     programs by student (`program_of`) with each other and with `others`, without given text. If
-    there are none, it shows the last comparison, which ``similar.json`` keeps. It links to
+    `programs` is None, it shows the last comparison, which ``similar.json`` keeps. It links to
     ``teacher.html`` where that is there, else to ``index.html``. With pseudonyms no text and no
     program is shown. Columns and title are those of `marks_table`. Raise OSError, or ValueError for
     no result and for unknown columns.
