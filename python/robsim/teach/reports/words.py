@@ -63,6 +63,14 @@ def left_out(found: Comparison) -> str:
     return f"{lines}. Most of the program is such text for {mostly}."
 
 
+def alike(names: Sequence[str]) -> str:
+    """Return the names of a group, and of several solutions the first."""
+    solutions = [name for name in names if "solution " in name and "/" in name]
+    shown = [person(name) for name in names if name not in solutions[1:]]
+    more = len(solutions) - 1
+    return ", ".join(shown) + (f" and {more} more solution{'s' * (more > 1)}" if more > 0 else "")
+
+
 def person(student: str) -> str:
     match = OF_MOODLE.fullmatch(student)
     return match["name"] if match else student
