@@ -30,7 +30,7 @@ _NAMED = [
     (
         "a seccomp number",
         "python/robsim/teach/isolation/_layers/calls.py",
-        '    "process_vm_readv": (310, 270),\n',
+        ' "process_vm_readv": (310, 270),',
         "",
     ),
     (
