@@ -36,13 +36,13 @@ def most_of_archive(rules: Rules) -> int:
     return rules.size + _OVERHEAD
 
 
-def read_archive(content: bytes, whole: str, rules: Rules, intake: Intake) -> None:
+def read_archive(content: bytes, intake: Intake) -> None:
     # Python reads the whole list of contents before it tells anything of it.
-    if content.count(_ENTRY) > _MOST_PER_FILE * rules.files:
-        raise SubmissionError(f"{whole} has too many files: hand in what counts")
-    with _told(whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
+    if content.count(_ENTRY) > _MOST_PER_FILE * intake.rules.files:
+        raise SubmissionError(f"{intake.whole} has too many files: hand in what counts")
+    with _told(intake.whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
         for entry in archive.infolist():
-            _take(archive, entry, _path_of(entry), whole, rules, intake)
+            _take(archive, entry, _path_of(entry), intake)
 
 
 class _Bounded(io.BufferedReader):
@@ -65,14 +65,9 @@ def paths_in(path: Path) -> list[str]:
         return [place for place in paths if not place.endswith("/")]
 
 
-def read_from_class(
-    path: Path, files: Sequence[tuple[str, str]], whole: str, rules: Rules
-) -> tuple[str, dict[str, bytes]]:
-    """Return the name and the files of a submission in the zip of a class.
-
-    `files` are pairs: a place in the zip, and its name in the submission. A folder ends in "/".
-    """
-    intake = Intake(whole, rules)
+def read_from_class(path: Path, files: Sequence[tuple[str, str]], intake: Intake) -> Intake:
+    """Return the files of a submission in the zip of a class; see `open_submission` for `files`."""
+    whole, rules = intake.whole, intake.rules
     with _told(whole), _class_zip(path) as archive:
         found = [
             (entry, name + place[len(start) :])
@@ -84,14 +79,15 @@ def read_from_class(
         packed = lone_zip_of({name.partition("/")[0]: "/" in name for _, name in found}, intake)
         if packed is None:
             for entry, name in found:
-                _take(archive, entry, name, whole, rules, intake)
-            return whole, intake.files
+                _take(archive, entry, name, intake)
+            return intake
         entry = {name: entry for entry, name in found}[packed]
         _check_kind(entry, whole, packed)
         wide = replace(rules, size=most_of_archive(rules), file_size=most_of_archive(rules))
-        content = _content(archive, entry, packed, whole, wide, Intake(whole, wide))
-    read_archive(content, packed, rules, intake)
-    return packed, intake.files
+        content = _content(archive, entry, packed, Intake(whole, wide))
+    inner = Intake(packed, rules)
+    read_archive(content, inner)
+    return inner
 
 
 @contextmanager
@@ -117,21 +113,13 @@ def _place_of(entry: zipfile.ZipInfo) -> str:
     return _path_of(entry).replace("\\", "/").removeprefix("./").lstrip("/")
 
 
-def _take(
-    archive: zipfile.ZipFile,
-    entry: zipfile.ZipInfo,
-    name: str,
-    whole: str,
-    rules: Rules,
-    intake: Intake,
-) -> None:
+def _take(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> None:
     intake.count_entry()
     if not intake.wants(name):
         return
-    _check_kind(entry, whole, name)
-    if entry.is_dir() or name.endswith(("/", "\\")):
-        return
-    intake.add(name, _content(archive, entry, name, whole, rules, intake))
+    _check_kind(entry, intake.whole, name)
+    if not (entry.is_dir() or name.endswith(("/", "\\"))):
+        intake.add(name, _content(archive, entry, name, intake))
 
 
 def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
@@ -149,23 +137,15 @@ def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
     raise refusal_in(whole, name, problem)
 
 
-def _content(
-    archive: zipfile.ZipFile,
-    entry: zipfile.ZipInfo,
-    name: str,
-    whole: str,
-    rules: Rules,
-    intake: Intake,
-) -> bytes:
+def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> bytes:
     """Return what is in a file, as far as it is allowed: its size is counted while it is read."""
-    most = max(_SMALL, rules.ratio * entry.compress_size)
-    parts, size = [], 0
+    ratio = intake.rules.ratio
+    content = bytearray()
     with archive.open(entry) as stream:
         while part := stream.read(_CHUNK):
-            size += len(part)
-            intake.check_size(name, size)
-            if size > most:
+            content += part
+            intake.check_size(name, len(content))
+            if len(content) > max(_SMALL, ratio * entry.compress_size):
                 said = "times larger than packed: hand it in without the zip, or make it smaller"
-                raise refusal_in(whole, name, f"is more than {rules.ratio} {said}")
-            parts.append(part)
-    return b"".join(parts)
+                raise refusal_in(intake.whole, name, f"is more than {ratio} {said}")
+    return bytes(content)

@@ -28,50 +28,50 @@ class Intake:
 
     def __init__(self, whole: str, rules: Rules) -> None:
         self.files: dict[str, bytes] = {}
-        self._whole = whole
-        self._rules = rules
+        self.whole = whole
+        self.rules = rules
         self._paths = Paths(whole)
         self._entries = 0
         self._size = 0
 
     def count_entry(self) -> None:
         self._entries += 1
-        most = _MOST_LEFTOVERS * self._rules.files
+        most = _MOST_LEFTOVERS * self.rules.files
         if self._entries > most:
             raise SubmissionError(
-                f"{self._whole} has more than {most} files and folders: hand in what counts"
+                f"{self.whole} has more than {most} files and folders: hand in what counts"
             )
 
     def wants(self, path: str) -> bool:
-        return checked_path(path, self._whole) is not None
+        return checked_path(path, self.whole) is not None
 
     def most_of(self, path: str) -> int:
         # Outputs of a notebook do not count: pictures, mostly.
-        return self._rules.size if path.endswith(".ipynb") else self._rules.file_size
+        return self.rules.size if path.endswith(".ipynb") else self.rules.file_size
 
     def check_size(self, path: str, size: int) -> None:
         most = self.most_of(path)
         if size > most:
             remedy = "clear its outputs" if path.endswith(".ipynb") else "make it smaller"
-            raise refusal_in(self._whole, path, f"has more than {size_text(most)}: {remedy}")
-        if self._size + size > self._rules.size:
+            raise refusal_in(self.whole, path, f"has more than {size_text(most)}: {remedy}")
+        if self._size + size > self.rules.size:
             raise SubmissionError(
-                f"{self._whole} has more than {size_text(self._rules.size)} in all: hand in what "
+                f"{self.whole} has more than {size_text(self.rules.size)} in all: hand in what "
                 "counts",
                 file=path,
             )
 
     def add(self, path: str, content: bytes) -> None:
-        counted = checked_path(path, self._whole)
+        counted = checked_path(path, self.whole)
         if counted is None:
             return
         self.check_size(counted, len(content))
         if counted.lower().endswith(ARCHIVES):
             said = "is an archive inside the submission: put its files in its place"
-            raise refusal_in(self._whole, counted, said)
-        if len(self.files) >= self._rules.files:
+            raise refusal_in(self.whole, counted, said)
+        if len(self.files) >= self.rules.files:
             raise SubmissionError(
-                f"{self._whole} has more than {self._rules.files} files: hand in what counts"
+                f"{self.whole} has more than {self.rules.files} files: hand in what counts"
             )
         self._paths.add(counted)
         self._size += len(content)
@@ -124,22 +124,18 @@ def read_file(path: str, whole: str, most: int) -> bytes:
         return _content((path, None), whole, whole, most)
 
 
-def read_folder(path: str, whole: str, intake: Intake) -> None:
-    with _told(whole, whole), _opened_folder(path) as folder:
-        _read(folder, "", whole, intake)
+def read_folder(path: str, intake: Intake) -> None:
+    with _told(intake.whole, intake.whole), _opened_folder(path) as folder:
+        _read(folder, "", intake)
 
 
-def lone_zip(path: str, whole: str, intake: Intake) -> str | None:
+def lone_zip(path: str, intake: Intake) -> str | None:
     """Return the name of the zip that a folder was handed in as: beside it is nothing to grade.
 
     So platforms pack what somebody has uploaded as a zip. None = there is no such zip.
     """
-    names = {}
-    with _told(whole, whole), _opened_folder(path) as folder, os.scandir(folder) as entries:
-        for entry in entries:
-            intake.count_entry()
-            names[entry.name] = entry.is_dir(follow_symlinks=False)
-    return lone_zip_of(names, intake)
+    with _told(intake.whole, intake.whole), _opened_folder(path) as folder:
+        return lone_zip_of(_names(folder, intake), intake)
 
 
 def lone_zip_of(names: Mapping[str, bool], intake: Intake) -> str | None:
@@ -153,8 +149,9 @@ def lone_zip_of(names: Mapping[str, bool], intake: Intake) -> str | None:
     return found[0] if is_zip else None
 
 
-def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:
-    for name in _names(folder, intake):
+def _read(folder: _Folder, prefix: str, intake: Intake) -> None:
+    whole = intake.whole
+    for name in sorted(_names(folder, intake)):
         path = f"{prefix}{name}"
         if not intake.wants(path):
             continue
@@ -163,19 +160,20 @@ def _read(folder: _Folder, prefix: str, whole: str, intake: Intake) -> None:
             status = os.stat(where[0], dir_fd=where[1], follow_symlinks=False)
             if _kind(status, whole, path) == stat.S_IFDIR:
                 with _opened_folder(*where) as inner:
-                    _read(inner, f"{path}/", whole, intake)
+                    _read(inner, f"{path}/", intake)
             else:
                 intake.check_size(path, status.st_size)
                 intake.add(path, _content(where, whole, path, intake.most_of(path) + 1))
 
 
-def _names(folder: _Folder, intake: Intake) -> list[str]:
-    names = []
+def _names(folder: _Folder, intake: Intake) -> dict[str, bool]:
+    """Return the names in a folder, and whether they are folders."""
+    names = {}
     with os.scandir(folder) as entries:
         for entry in entries:
             intake.count_entry()
-            names.append(entry.name)
-    return sorted(names)
+            names[entry.name] = entry.is_dir(follow_symlinks=False)
+    return names
 
 
 def _kind(status: os.stat_result, whole: str, path: str) -> int:

@@ -96,14 +96,14 @@ def _of_class(path: Path, files: Sequence[tuple[str, str]], rules: Rules) -> Con
     whole = one_line(name if is_one_file else PurePosixPath(first).name)
     if is_one_file and not name.lower().endswith(_FORMS):
         raise refusal(whole, f" cannot be graded: {_TAKEN}")
-    if path.is_dir():
-        intake = Intake(whole, rules)
+    intake = Intake(whole, rules)
+    if not path.is_dir():
+        intake = read_from_class(path, files, intake)
+    else:
         for place, file in files:
             intake.add(file, _all_of(path / place, one_line(place), intake.most_of(file)))
-        found = intake.files
-    else:
-        whole, found = read_from_class(path, files, whole, rules)
-    return Contents(whole, found, is_one_file and not name.lower().endswith(_FORMS[0]))
+    is_one_file = is_one_file and not name.lower().endswith(_FORMS[0])
+    return Contents(intake.whole, intake.files, is_one_file)
 
 
 def arranged(contents: Contents, rules: Rules, given: Mapping[str, bytes]) -> SubmissionFiles:
@@ -125,15 +125,14 @@ def _opened(path: Path, rules: Rules) -> Contents:
     name = one_line(path.name)
     intake = Intake(name, rules)
     if kind_of(str(path), name) == stat.S_IFDIR:
-        packed = lone_zip(str(path), name, Intake(name, rules))
+        packed = lone_zip(str(path), Intake(name, rules))
         if packed is not None and kind_of(str(path / packed), one_line(packed)) == stat.S_IFREG:
             return _opened(path / packed, rules)
-        read_folder(str(path), name, intake)
+        read_folder(str(path), intake)
         return Contents(name, intake.files)
     suffix = path.suffix.lower()
     if suffix == ".zip":
-        most = most_of_archive(rules)
-        read_archive(_all_of(path, name, most), name, rules, intake)
+        read_archive(_all_of(path, name, most_of_archive(rules)), intake)
         return Contents(name, intake.files)
     if suffix not in _FORMS:
         raise refusal(name, f" cannot be graded: {_TAKEN}")
