@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -14,8 +14,6 @@ from robsim.cli import errors
 from robsim.cli.command import command, command_group
 from robsim.cli.shared import AllJobs, Json, engine_of
 
-if TYPE_CHECKING:
-    from robsim.teach.tasks import TaskCalibration
 Folder = Annotated[Path, "FOLDER: The assignment, as robsim assignment new makes it."]
 
 
@@ -70,36 +68,22 @@ def calibrate_and_print(folder: Path, *, jobs: int | None, **options: Any) -> No
         more = " --provisional" if options.get("provisional") else ""
         errors.print_note(f"to continue: robsim assignment calibrate {folder}{more}")
         raise
-    for calibration, names in _together(found):
+    for calibration in {id(one): one for one in found.values()}.values():
+        names = [name for name, other in found.items() if other is calibration]
         errors.show(f"{', '.join(names)}: {calibration}")
-        _warn(calibration)
+        for one in calibration.missed:
+            errors.print_note(
+                f"warning: wrong/{one.name} gets full points in {100 * (1 - one.rate):.0f} % of "
+                "the tests: give the task more runs or steps, or take the solution out"
+            )
     errors.say(f"written to {folder / 'limits.json'}")
 
 
 def _tell_how_long(seconds: float, goes_on: bool) -> None:
     begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
-    errors.print_note(f"{begin} about {_duration(seconds)}; Ctrl-C keeps what is done")
+    duration = f"{max(seconds, 1):.0f} s" if seconds < 90 else f"{seconds / 60:.0f} minutes"
+    errors.print_note(f"{begin} about {duration}; Ctrl-C keeps finished runs")
     sys.stderr.flush()
-
-
-def _duration(seconds: float) -> str:
-    return f"{max(seconds, 1):.0f} s" if seconds < 90 else f"{seconds / 60:.0f} minutes"
-
-
-def _together(found: dict[str, TaskCalibration]) -> list[tuple[TaskCalibration, list[str]]]:
-    """Return each calibration with the names of its tests."""
-    return [
-        (one, [name for name, other in found.items() if other is one])
-        for one in {id(one): one for one in found.values()}.values()
-    ]
-
-
-def _warn(calibration: TaskCalibration) -> None:
-    for one in calibration.missed:
-        errors.print_note(
-            f"warning: wrong/{one.name} gets full points in {100 * (1 - one.rate):.0f} % of the "
-            "tests: give the task more runs or steps, or take the solution out"
-        )
 
 
 def new(
@@ -131,16 +115,13 @@ def new(
     with report_errors():
         made = new_assignment(template, folder, name=name, seed=seed)
         test = made.tests[0]
-        errors.say(f"written to {folder}: {made.title}, {_drawn(test.task.parameters)}")
+        drawn = ", ".join(f"{key} {value}" for key, value in test.task.parameters.items())
+        errors.say(f"written to {folder}: {made.title}, {drawn}")
         errors.say(f"to look at: sheet.md, assignment.toml, start/, solutions/; {test.provisional}")
         sys.stdout.flush()
         if not no_calibrate:
             calibrate_and_print(folder, jobs=jobs, provisional=True)
     errors.say(f"next: robsim assignment check {folder}; robsim assignment calibrate {folder}")
-
-
-def _drawn(parameters: dict[str, object]) -> str:
-    return ", ".join(f"{key} {value}" for key, value in parameters.items())
 
 
 def check(folder: Folder, jobs: AllJobs = None, as_json: Json = False) -> None:

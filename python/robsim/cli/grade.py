@@ -139,40 +139,21 @@ def grade(
         executor = engine_of(jobs)
         if feedback is not None:
             check_file(feedback)
-        told: dict[str, Any] = {
-            "columns": columns,
-            "pseudonyms": pseudonyms,
-            "teacher_pages": teacher_pages,
-        }
+        told: dict[str, Any] = {"teacher_pages": teacher_pages}
+        tables: dict[str, Any] = told | {"columns": columns, "pseudonyms": pseudonyms}
         if regrade:
-            result = regrade_class(given, out, **told)
+            result = regrade_class(given, out, **tables)
         elif submissions is None:
             raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
         elif play is not None:
             marks.played(given, submissions, play, run, out, student, is_shown=gui)
             return
         elif public or student is not None or gradescope is not None:
-            result = marks.graded_alone(
-                given,
-                submissions,
-                out,
-                gradescope,
-                student=student,
-                public=public,
-                only=only,
-                teacher_pages=teacher_pages,
-            )
+            told |= {"student": student, "public": public, "only": only}
+            result = marks.graded_alone(given, submissions, out, gradescope, **told)
         else:
-            result = marks.graded_class(
-                given,
-                submissions,
-                out,
-                is_quiet=as_json,
-                executor=executor,
-                only=only,
-                groups=groups,
-                **told,
-            )
+            tables |= {"executor": executor, "only": only, "groups": groups}
+            result = marks.graded_class(given, submissions, out, is_quiet=as_json, **tables)
         if feedback is not None:
             pack_feedback(result, out, feedback)
         marks.show(given, result, out, public=public, as_json=as_json)
