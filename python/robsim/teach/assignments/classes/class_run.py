@@ -183,9 +183,7 @@ def grade_class(
     """
     check_is_assignment(assignment)
     engine_value(executor)
-    folder = ResultFolder(as_path(out, "out"))
-    folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
-    _check_tables(assignment, columns, pseudonyms=pseudonyms)
+    folder = _folder(assignment, out, columns, pseudonyms, teacher_pages)
     check_callable("on_result", on_result)
     asked = None if only is None else names_of(only)
     table = None if groups is None else as_path(groups, "groups")
@@ -201,9 +199,7 @@ def grade_class(
     results = sorted(done.results, key=lambda result: result.student)
     if left := [one.student for one in handed if one.student not in {r.student for r in results}]:
         warn_user(f"not graded yet, and not in the table: {listed(left)}")
-    write_class_files(
-        assignment, done.programs, others, folder, results, columns=columns, pseudonyms=pseudonyms
-    )
+    write_class_files(assignment, done.programs, others, folder, results)
     return ClassResult(name=assignment.name, results=tuple(results))
 
 
@@ -245,9 +241,7 @@ def regrade_class(
         then.
     """
     check_is_assignment(assignment)
-    folder = ResultFolder(as_path(out, "out"))
-    folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
-    _check_tables(assignment, columns, pseudonyms=pseudonyms)
+    folder = _folder(assignment, out, columns, pseudonyms, teacher_pages)
     plan = plan_of(assignment)
     units = {name: unit for unit in plan.work.units for name in unit.names}
     students = folder.students()
@@ -257,7 +251,7 @@ def regrade_class(
     results = [_again(plan, units, one) for one in old]
     folder.by_hand = take_table(plan, folder, [one.student for one in old])
     results = [folder.write(result) for result in results]  # all of them can be
-    write_class_files(assignment, None, {}, folder, results, columns=columns, pseudonyms=pseudonyms)
+    write_class_files(assignment, None, {}, folder, results)
     changes = {
         one.student: (one.points, now.points)
         for one, now in zip(old, results, strict=True)
@@ -289,10 +283,15 @@ def _only(
     return replace(plan, wanted=tests), chosen or None
 
 
-def _check_tables(assignment: Assignment, columns: str, *, pseudonyms: bool) -> None:
-    check_choice("columns", columns, COLUMNS)
+def _folder(
+    assignment: Assignment, out: Any, columns: str, pseudonyms: bool, teacher_pages: bool
+) -> ResultFolder:
+    folder = ResultFolder(as_path(out, "out"))
+    folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
+    folder.columns = check_choice("columns", columns, COLUMNS)
     if check_bool("pseudonyms", pseudonyms):
-        key_for(assignment, public=False)
+        folder.pseudonym = key_for(assignment, public=False).pseudonym
+    return folder
 
 
 def grade_all(

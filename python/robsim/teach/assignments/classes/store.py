@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +11,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from robsim.base.checks import Floats
 from robsim.base.files import write_whole
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.assignment_file import solutions_for
 from robsim.teach.assignments.classes.submissions import submissions_in
-from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import EARLIER_YEAR, Program, program_of
@@ -39,6 +37,8 @@ class ResultFolder:
     by_hand: Mapping[str, Marks] = MappingProxyType({})  # by student
     leaderboard = ""
     teacher_pages = False
+    columns = "robsim"
+    pseudonym: Callable[[str], str] | None = None
 
     def __init__(self, folder: Path, gradescope: Path | None = None) -> None:
         self.folder = folder
@@ -98,9 +98,6 @@ def write_class_files(
     others: Mapping[str, Program],
     folder: ResultFolder,
     results: Sequence[SubmissionResult],
-    *,
-    columns: str,
-    pseudonyms: bool,
 ) -> None:
     """Write page and table of a class into the folder of its results; a single one is no class.
 
@@ -110,35 +107,26 @@ def write_class_files(
     if len(results) < 2:
         return
     area = assignment.tests[0].task.scenario.area if assignment.tests else (1200, 1200)
+    found = {result.student: folder.paths(result.student) for result in results}
     write_class(
         folder.folder,
         results,
-        paths=_paths(assignment, folder, results, area),
+        paths={
+            test.name: {
+                student: np.asarray(paths[test.name], float)
+                for student, paths in found.items()
+                if test.name in paths
+            }
+            for test in assignment.tests
+            if test.task.scenario.area == area
+        },
         area=area,
         programs=programs,
         given=list(_given(assignment)),
         others=others,
-        pseudonym=key_for(assignment, public=False).pseudonym if pseudonyms else None,
-        columns=columns,
+        pseudonym=folder.pseudonym,
+        columns=folder.columns,
     )
-
-
-def _paths(
-    assignment: Assignment,
-    folder: ResultFolder,
-    results: Sequence[SubmissionResult],
-    area: tuple[float, float],
-) -> dict[str, dict[str, Floats]]:
-    of_students = {result.student: folder.paths(result.student) for result in results}
-    return {
-        test.name: {
-            student: np.asarray(paths[test.name], float)
-            for student, paths in of_students.items()
-            if test.name in paths
-        }
-        for test in assignment.tests
-        if test.task.scenario.area == area
-    }
 
 
 def _given(assignment: Assignment) -> Iterator[Program]:
