@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from typing import Any
 
 from robsim.teach.reports import words
 from robsim.teach.results import ERROR, SubmissionResult, TestResult, of_most
@@ -41,16 +42,13 @@ def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
     for score in test.scores if words.has_numbers(test) else ():
         yield from _wrapped(words.score_line(score, test.most), "  - ", "    ")
     yield from _wrapped(words.caption_text(test), "  ", "  ")
-    if test.finding:
-        yield f"  {words.FINDING}:"
-        yield from _quoted(test.finding)
-    if test.failed:
-        yield f"  {words.failed_head(test)}:"
-        for text in words.failed_texts(test):
+    for head, body in words.boxes(test):
+        yield f"  {head}:"
+        for text in body if isinstance(body, list) else ():
             yield from _wrapped(text, "  - ", "    ")
-    if test.output.strip():
-        yield f"  {words.OUTPUT}:"
-        yield from _quoted(_cut(test.output.rstrip()))
+        if isinstance(body, str):
+            text = clean_text(_cut(body) if head == words.OUTPUT else body)
+            yield from (f"  | {line}".rstrip() for line in text.split("\n"))
     if test.public and not test.by_hand:
         yield f"  {words.REPEAT}:"
         yield clean_line(f"    {words.repeat_command(test)}")
@@ -64,21 +62,9 @@ def _cut(text: str) -> str:
     return "\n".join(cut[:_MOST_LINES] + more)
 
 
-def _quoted(text: str) -> Iterator[str]:
-    for line in clean_text(text).split("\n"):
-        yield f"  | {line}".rstrip()
-
-
 def _wrapped(text: str, start: str, indent: str) -> list[str]:
-    if not text:
-        return []
-    return textwrap.wrap(
-        clean_text(text),
-        _WIDTH,
-        initial_indent=start,
-        subsequent_indent=indent,
-        break_on_hyphens=False,
-    )
+    indents: dict[str, Any] = {"initial_indent": start, "subsequent_indent": indent}
+    return textwrap.wrap(clean_text(text), _WIDTH, **indents, break_on_hyphens=False)
 
 
 def for_student(result: SubmissionResult) -> SubmissionResult:

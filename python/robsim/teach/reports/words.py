@@ -38,12 +38,6 @@ STATUS = {
 #: How Moodle names what it gives to download.
 OF_MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
 
-_WHOSE = {
-    "submission": "",
-    "assignment": "The assignment failed here, not your submission: tell your teacher.",
-    "grader": "The grader failed here, not your submission: tell your teacher.",
-}
-
 FINDING = "What robsim check finds"
 OUTPUT = "The submission printed"
 REPEAT = "To repeat it, in the folder of the assignment"
@@ -124,9 +118,9 @@ def waiting(result: SubmissionResult) -> list[TestResult]:
 
 def blame(test: TestResult) -> str:
     """Return what is to be said where it was not the submission that failed."""
-    if test.status != ERROR:
+    if test.status != ERROR or (whose := test.whose or "grader") == "submission":
         return ""
-    return _WHOSE.get(test.whose or "grader", "")
+    return f"The {whose} failed here, not your submission: tell your teacher."
 
 
 def result_text(test: TestResult) -> str:
@@ -319,8 +313,7 @@ def grade_command(assignment: Path, submission: str, out: Path, student: str) ->
     given, handed, folder = (
         str(place.relative_to(here) if place.is_relative_to(here) else place) for place in places
     )
-    words = ["robsim", "grade", given, handed, "--student", student, "--out", folder]
-    return shlex.join(words)
+    return shlex.join(["robsim", "grade", given, handed, "--student", student, "--out", folder])
 
 
 def isolation_text(result: SubmissionResult) -> str:
