@@ -270,12 +270,10 @@ def _common(
     own: Mapping[str, set[int]], students: Collection[str]
 ) -> tuple[set[int], Counter[tuple[str, str]]]:
     """Return the runs that many have, and how many others each two have in common."""
-    times = Counter(run for runs in own.values() for run in runs)
     owners: defaultdict[int, tuple[list[str], list[str]]] = defaultdict(lambda: ([], []))
     for name, runs in own.items():
         for run in runs:
-            if times[run] > 1:
-                owners[run][name not in students].append(name)
+            owners[run][name not in students].append(name)
     count = sum(name in students for name in own)
     many, many_others = max(_FEW_STUDENTS, count // 4), max(_FEW_OTHERS, (len(own) - count) // 4)
     common, counts = set(), Counter[tuple[str, str]]()
