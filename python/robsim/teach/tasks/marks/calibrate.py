@@ -8,7 +8,6 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,12 +27,7 @@ from robsim.teach.tasks.marks.calibration import (
     solutions_digest,
     task_digest,
 )
-from robsim.teach.tasks.marks.limits import (
-    bound_rank,
-    fewest_values,
-    limits_from,
-    normal_bound,
-)
+from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from, normal_bound
 from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
@@ -114,8 +108,11 @@ def calibrate_task(
     engine_value(executor)
     folder = None if store is None else as_path(store, "store")
 
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+
     def play(some: Sequence[Solution], tests: int, name: str) -> dict[str, Runs]:
-        file = _file(folder, name)
+        file = None if folder is None else folder / f"{name}.sqlite"
         how: dict[str, Any] = {"seed": seed, "executor": executor, "progress": progress}
         return runs_of(task, some, tests, store=file, **how)
 
@@ -223,13 +220,6 @@ def check_solutions(chosen: Sequence[Solution]) -> None:
         raise ValueError(
             f"solutions must have a wrong one {NAIVE!r}, which has no points; got {quoted(wrong)}"
         )
-
-
-def _file(folder: Path | None, name: str) -> Path | None:
-    if folder is None:
-        return None
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{name}.sqlite"
 
 
 def marks_of(
