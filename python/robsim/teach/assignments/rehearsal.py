@@ -13,6 +13,7 @@ from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.assignment_file import solutions_for
 from robsim.teach.assignments.classes.class_run import grade_all
 from robsim.teach.assignments.classes.plan import Plan
+from robsim.teach.assignments.classes.progress import Schedule
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.making import write_below
@@ -156,6 +157,6 @@ def graded(
         write_below(place, part.files)
         handed.append(Handed(f"{number} {again}", str(place)))
     out = ResultFolder(folder / "out")
-    done = grade_all(plan, handed, out, executor=executor, tell=lambda result, changed: tell())
-    found = {one.student: one for one in done.results}
+    schedule = Schedule(plan, handed, out, lambda result, changed: tell())
+    found = {one.student: one for one in grade_all(schedule, executor).results}
     return {part.name: found[one.student] for part, one in zip(parts, handed, strict=True)}

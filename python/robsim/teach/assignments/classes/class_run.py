@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
@@ -23,7 +23,7 @@ from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.classes.by_hand import take_table
 from robsim.teach.assignments.classes.plan import Plan, names_of, plan_of
-from robsim.teach.assignments.classes.progress import Schedule, Tell, again
+from robsim.teach.assignments.classes.progress import Schedule, again
 from robsim.teach.assignments.classes.store import ResultFolder, other_programs, write_class_files
 from robsim.teach.assignments.classes.submissions import (
     Handed,
@@ -98,13 +98,13 @@ def grade_submission(
     if file is not None and student is None:
         check_is_one(handed, assignment)
     with TemporaryDirectory(prefix="robsim-graded-") as scratch:
-        folder = ResultFolder(as_path(scratch if out is None else out, "out"), file)
-        folder.leaderboard = assignment.leaderboard
-        folder.teacher_pages = check_bool("teacher_pages", teacher_pages)
+        place = as_path(scratch if out is None else out, "out")
+        check_bool("teacher_pages", teacher_pages)
+        folder = ResultFolder(place, file, assignment.leaderboard, teacher_pages)
         plan = plan_of(assignment, only=only, public=public, waits=True)
         _check_apart(folder.folder, [handed])
         folder.by_hand = {} if public else take_table(plan, folder, [handed.student])
-        (result,) = grade_all(plan, [handed], folder).results
+        (result,) = grade_all(Schedule(plan, [handed], folder)).results
     return result
 
 
@@ -195,7 +195,7 @@ def grade_class(
         plan, students = _only(plan, handed, asked)
     _check_apart(folder.folder, handed)
     folder.by_hand = take_table(plan, folder, [one.student for one in handed])
-    done = grade_all(plan, handed, folder, executor=executor, tell=on_result, students=students)
+    done = grade_all(Schedule(plan, handed, folder, on_result, students), executor)
     results = sorted(done.results, key=lambda result: result.student)
     if left := [one.student for one in handed if one.student not in {r.student for r in results}]:
         warn_user(f"not graded yet, and not in the table: {listed(left)}")
@@ -248,7 +248,10 @@ def regrade_class(
     if not students:
         raise FileNotFoundError(2, "there are no results to be marked anew", str(out))
     old = [_old(folder, student) for student in students]
-    results = [_again(plan, units, one) for one in old]
+    title, digest = assignment.title, plan.digest
+    results = [
+        replace(one, title=title, tests=_tests(units, one), assignment_digest=digest) for one in old
+    ]
     folder.by_hand = take_table(plan, folder, [one.student for one in old])
     results = [folder.write(result) for result in results]  # all of them can be
     write_class_files(assignment, None, {}, folder, results)
@@ -294,23 +297,10 @@ def _folder(
     return folder
 
 
-def grade_all(
-    plan: Plan,
-    handed: list[Handed],
-    folder: ResultFolder,
-    *,
-    executor: Engine = None,
-    tell: Tell | None = None,
-    students: Collection[str] | None = None,
-) -> Schedule:
-    """Grade submissions, write each result after each test, and return the schedule at the end.
-
-    Results that are in the folder already are gone on with. `students` are those to be graded;
-    None = all.
-    """
-    folder.folder.mkdir(parents=True, exist_ok=True)
-    schedule = Schedule(plan, handed, folder, tell, students)
-    with closing(rows_by(engine_value(executor), plan.work, schedule)) as chunks:
+def grade_all(schedule: Schedule, executor: Engine = None) -> Schedule:
+    """Grade submissions, write each result after each test, and return the schedule at the end."""
+    schedule.folder.folder.mkdir(parents=True, exist_ok=True)
+    with closing(rows_by(engine_value(executor), schedule.plan.work, schedule)) as chunks:
         for rows in chunks:
             for row in rows:
                 schedule.done(row)
@@ -335,9 +325,8 @@ def _old(folder: ResultFolder, student: str) -> SubmissionResult:
     return old
 
 
-def _again(plan: Plan, units: dict[str, Unit], old: SubmissionResult) -> SubmissionResult:
-    tests = tuple(_test(units, test, old.student) for test in old.tests if not test.by_hand)
-    return replace(old, title=plan.assignment.title, tests=tests, assignment_digest=plan.digest)
+def _tests(units: dict[str, Unit], old: SubmissionResult) -> tuple[TestResult, ...]:
+    return tuple(_test(units, test, old.student) for test in old.tests if not test.by_hand)
 
 
 def _test(units: dict[str, Unit], test: TestResult, student: str) -> TestResult:

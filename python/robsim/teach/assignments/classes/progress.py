@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -170,6 +170,7 @@ def versions() -> dict[str, str]:
 Tell = Callable[[SubmissionResult, str], Any]
 
 
+@dataclass
 class Schedule:
     """Hands out the tests of submissions, each submission's tests one after the other.
 
@@ -178,22 +179,18 @@ class Schedule:
     `students` are those in the folder; None = all are graded.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        handed: Sequence[Handed],
-        folder: ResultFolder,
-        tell: Tell | None,
-        students: Collection[str] | None,
-    ) -> None:
-        self._plan, self._folder, self._tell = plan, folder, tell
-        self._students = students
-        self._waiting = enumerate(handed)
-        self._is_class = len(handed) > 1
+    plan: Plan
+    handed: Sequence[Handed]
+    folder: ResultFolder
+    tell: Tell | None = None
+    students: Collection[str] | None = None
+    results: list[SubmissionResult] = field(default_factory=list)
+    programs: dict[str, Program] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._waiting = enumerate(self.handed)
         self._open: dict[int, Progress] = {}
         self._busy: set[int] = set()
-        self.results: list[SubmissionResult] = []
-        self.programs: dict[str, Program] = {}
 
     def take(self) -> list[Job]:
         """Return the next test, as a list; an empty one where there is none just now."""
@@ -201,13 +198,13 @@ class Schedule:
             if job := self._next(index):
                 return [job]
         for index, handed in self._waiting:
-            old = self._folder.read(handed.student)
-            progress = Progress(index, handed, self._plan, old)
-            if self._is_class and progress.contents is not None:
+            old = self.folder.read(handed.student)
+            progress = Progress(index, handed, self.plan, old)
+            if len(self.handed) > 1 and progress.contents is not None:
                 with suppress(SubmissionError):
-                    files = arranged(progress.contents, self._plan.assignment._rules(), {})
+                    files = arranged(progress.contents, self.plan.assignment._rules(), {})
                     self.programs[handed.student] = program_of(files.sources)
-            if self._students is not None and handed.student not in self._students:
+            if self.students is not None and handed.student not in self.students:
                 self.results += [] if old is None else [old]
                 continue
             self._open[index] = progress
@@ -225,9 +222,9 @@ class Schedule:
         self._write(progress, row.pictures, row.paths)
 
     def _write(self, progress: Progress, *files: Any) -> SubmissionResult:
-        place = self._plan.assignment.folder, progress.handed.path, self._folder.folder
+        place = self.plan.assignment.folder, progress.handed.path, self.folder.folder
         command = words.grade_command(*place, progress.handed.student)
-        return self._folder.write(replace(progress.result, command=command), *files)
+        return self.folder.write(replace(progress.result, command=command), *files)
 
     def _next(self, index: int) -> Job | None:
         """Return the next test of a submission; where there is none left, end it."""
@@ -238,6 +235,6 @@ class Schedule:
         del self._open[index]
         result = self._write(progress)
         self.results.append(result)
-        if self._tell is not None:
-            self._tell(result, progress.changed)
+        if self.tell is not None:
+            self.tell(result, progress.changed)
         return None

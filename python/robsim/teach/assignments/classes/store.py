@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -31,18 +31,17 @@ _MOST = 2**26  # bytes
 Marks = tuple[ByHand, tuple[TestResult, ...]]
 
 
+@dataclass
 class ResultFolder:
     """The folders of results, and optionally the file that Gradescope reads."""
 
-    by_hand: Mapping[str, Marks] = MappingProxyType({})  # by student
-    leaderboard = ""
-    teacher_pages = False
-    columns = "robsim"
+    folder: Path
+    gradescope: Path | None = None
+    leaderboard: str = ""
+    teacher_pages: bool = False
+    columns: str = "robsim"
     pseudonym: Callable[[str], str] | None = None
-
-    def __init__(self, folder: Path, gradescope: Path | None = None) -> None:
-        self.folder = folder
-        self._gradescope = gradescope
+    by_hand: Mapping[str, Marks] = field(default_factory=dict)  # by student
 
     def of(self, student: str) -> Path:
         return self.folder / folder_name(student)
@@ -73,11 +72,11 @@ class ResultFolder:
             known = {**self.paths(result.student), **paths}
             write_whole(place / PATHS, json.dumps(known).encode())
         write_student(place, result, pictures=pictures, teacher_page=self.teacher_pages)
-        if self._gradescope is not None:
+        if self.gradescope is not None:
             files = {one.name: place / one.picture for one in result.tests if one.picture}
             there = {name: file.read_bytes() for name, file in files.items() if file.is_file()}
             board = self.leaderboard
-            write_gradescope(self._gradescope, result, pictures=there, leaderboard=board)
+            write_gradescope(self.gradescope, result, pictures=there, leaderboard=board)
         return result
 
     def paths(self, student: str) -> dict[str, list[list[float]]]:
