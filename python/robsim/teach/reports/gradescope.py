@@ -41,7 +41,7 @@ def gradescope(
     check_choice("hidden", hidden, VISIBILITIES)
     theirs = for_student(result)
     shown = _shown(theirs, pictures or {})
-    tests = [_test(result, test, shown.get(test.name), hidden) for test in theirs.tests]
+    tests = [_test(test, shown.get(test.name), hidden) for test in theirs.tests]
     if said := words.by_hand(theirs):  # which tells the points of hidden tests
         when = "visible" if all(test.public for test in theirs.tests) else hidden
         text = {"output": clean_text("\n".join(said)), "output_format": "text"}
@@ -124,13 +124,13 @@ def _output(result: SubmissionResult) -> str:
     return "\n".join(lines)
 
 
-def _test(
-    result: SubmissionResult, test: TestResult, picture: str | None, hidden: str
-) -> dict[str, Any]:
+def _test(test: TestResult, picture: str | None, hidden: str) -> dict[str, Any]:
+    status = f"{words.STATUS[test.status][0]}: {words.result_text(test)}"
+    texts = (status, test.sentence, words.blame(test))
     content: dict[str, Any] = {
         "name": clean_line(test.title),
         "name_format": "text",
-        "output": _details(result, test, picture),
+        "output": rendered("gradescope.html", test=test, texts=texts, picture=picture),
         "output_format": "html",
         "visibility": "visible" if test.public else hidden,
         "tags": ["public" if test.public else "hidden"],
@@ -142,10 +142,3 @@ def _test(
         content |= {"status": "passed" if test.status == PASSED else "failed"}
         content |= {"score": test.points, "max_score": float(test.most)}
     return content
-
-
-def _details(result: SubmissionResult, test: TestResult, picture: str | None) -> str:
-    """Return the details of a test as HTML."""
-    status = f"{words.STATUS[test.status][0]}: {words.result_text(test)}"
-    texts = (status, test.sentence, words.blame(test))
-    return rendered("gradescope.html", test=test, texts=texts, picture=picture)
