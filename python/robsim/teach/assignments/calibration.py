@@ -67,17 +67,16 @@ def calibrate_assignment(
     check_bool("progress", progress)
     kept = assignment.folder / _KEPT
     check_callable("on_begin", on_begin)
-    options: dict[str, Any] = {"false_fail": false_fail, "confidence": confidence}
-    options["provisional"] = provisional
+    given = {"false_fail": false_fail, "confidence": confidence, "provisional": provisional}
+    options: dict[str, Any] = given
     if on_begin is not None:
         processes = executor if isinstance(executor, int) else 1
-        seconds = sum(
-            calibration_seconds(
-                test.task, _usable(assignment, test.task), **options, processes=processes
-            )
-            for test, _ in _by_task(assignment)
+        tasks = [test.task for test, _ in _by_task(assignment)]
+        of_each = (
+            calibration_seconds(task, _usable(assignment, task), processes, **options)
+            for task in tasks
         )
-        on_begin(seconds, kept.is_dir())
+        on_begin(sum(of_each), kept.is_dir())
     found: dict[str, TaskCalibration] = {}
     for test, names in _by_task(assignment):
         solutions = _usable(assignment, test.task)

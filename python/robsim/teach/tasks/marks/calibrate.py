@@ -243,17 +243,16 @@ def marks_of(
 
 def calibration_seconds(
     task: Task,
-    solutions: Iterable[Solution] | None = None,
+    solutions: Iterable[Solution],
+    processes: int,
     *,
-    false_fail: float = 0.01,
-    confidence: float = 0.95,
-    tests: int | None = None,
-    provisional: bool = False,
-    processes: int = 1,
+    false_fail: float,
+    confidence: float,
+    provisional: bool,
 ) -> float:
     """Return the estimated duration of `calibrate_task` (s), from two runs of each solution."""
     chosen = _chosen(task, solutions)
-    count, _ = _count_and_rank(false_fail, confidence, tests)
+    count, _ = _count_and_rank(false_fail, confidence, None)
     check_int("processes", processes, minimum=1, maximum=10**4)
     short = replace(task, runs=2)
     right_tests, wrong_tests = (0, FIRST_TESTS) if provisional else (count, WRONG_TESTS)
