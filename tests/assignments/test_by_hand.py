@@ -289,3 +289,8 @@ def test_students_get_their_pages_as_moodle_takes_them(tmp_path):
     }
     assert not any(SECRET in content for content in contents.values())
     assert "Zoë" in contents["Zoë Åström_1042_assignsubmission_file_/result.txt"]
+    group = replace(results[2], members=names[:2])
+    pack_feedback(replace(graded, results=(group,)), tmp_path, tmp_path / "feedback.zip")
+    with zipfile.ZipFile(tmp_path / "feedback.zip") as archive:
+        found = {by_moodle(name) for name in archive.namelist()}
+    assert found == {(number, file) for number in ("1042", "77") for file in files}

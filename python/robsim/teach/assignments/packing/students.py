@@ -78,16 +78,15 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     check_kind("result", result, ClassResult)
     place, target = as_path(out, "out"), as_path(path)
     files = {
-        f"{folder}/{name}": (place / folder_name(one.student) / name).read_bytes()
+        f"{_recipient(student)}/{name}": (place / folder_name(one.student) / name).read_bytes()
         for one in result.results
-        for folder in _recipients(one.student)
+        for student in one.members or [one.student]
         for name in (PAGE, TEXT)
     }
     write_zip(target, files)
     return target
 
 
-def _recipients(student: str) -> list[str]:
-    """Return the folders of all who get the pages of a submission."""
+def _recipient(student: str) -> str:
     match = OF_MOODLE.fullmatch(student)
-    return [f"{match['name']}_{match['number']}_assignsubmission_file_" if match else student]
+    return f"{match['name']}_{match['number']}_assignsubmission_file_" if match else student
