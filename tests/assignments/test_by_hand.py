@@ -276,16 +276,23 @@ def by_moodle(path):
 def test_students_get_their_pages_as_moodle_takes_them(tmp_path):
     names = ("Zoë Åström_1042_assignsubmission_file", "Jo Do_77_assignsubmission_file_hw3", "kim")
     results = tuple(submission(name) for name in names)
+    team = tuple(f"{name}_assignsubmission_file" for name in ("Al Do_5", "Bo Do_6"))
+    results += (submission("../a"), replace(submission("team"), members=team))
     for result in results:
-        reports.write_student(tmp_path / result.student, result, teacher_page=True)
+        place = tmp_path / reports.writing.folder_name(result.student)
+        reports.write_student(place, result, teacher_page=True)
     graded = ClassResult(name="hw3", results=results)
     pack_feedback(graded, tmp_path, tmp_path / "feedback.zip")
     with zipfile.ZipFile(tmp_path / "feedback.zip") as archive:
         contents = {name: archive.read(name).decode() for name in archive.namelist()}
     files = ("index.html", "result.txt")
     assert {by_moodle(name) or name for name in contents} == {
-        *((number, file) for number in ("1042", "77") for file in files),
-        *(f"kim/{file}" for file in files),
+        *((number, file) for number in ("1042", "77", "5", "6") for file in files),
+        *(
+            f"{name}/{file}"
+            for file in files
+            for name in ("kim", reports.writing.folder_name("../a"))
+        ),
     }
     assert not any(SECRET in content for content in contents.values())
     assert "Zoë" in contents["Zoë Åström_1042_assignsubmission_file_/result.txt"]

@@ -25,6 +25,7 @@ from robsim.teach import (
     grade_class,
     grade_submission,
     load_assignment,
+    pack_feedback,
     regrade_class,
 )
 from robsim.teach.assignments.classes import progress
@@ -110,20 +111,20 @@ def test_copies_of_solutions_and_of_earlier_years_are_named(hw3, folders):
     earlier = hw3.folder / "earlier"
     shutil.copytree(subs / "s003", earlier / "2025/anna")
     shutil.copy(subs / "s003/estimate_state.py", earlier / "ben.py")
+    source = (subs / "s003/estimate_state.py").read_text()
+    moodle = {f"{name}_1_assignsubmission_file/a.py": source for name in ("cy", "dee")}
+    packed(earlier / "2024.zip", moodle)
     (earlier / "broken.zip").write_bytes(b"no zip")
-    place = "Cleo_12_assignsubmission_file_/estimate_state.py"
-    with zipfile.ZipFile(earlier / "2024.zip", "w") as packed:  # as a platform packs a class
-        packed.write(subs / "s003/estimate_state.py", place)
-        packed.writestr(place.replace("Cleo_12", "Dana_13"), "def estimate_state(step): ...")
     try:
         grade_class(hw3, subs, out)
         text = (out / "class.html").read_text()
         grade_class(hw3, subs, out, pseudonyms=True)
     finally:
         shutil.rmtree(earlier)
-    assert "s003, earlier: 2024.zip/Cleo, earlier: 2025/anna, earlier: ben" in text
+    assert "s003, earlier: 2024.zip/cy, earlier: 2024.zip/dee, earlier: 2025/anna" in text
+    assert "earlier: 2025/anna, earlier: ben" in text
     assert "s001, shipped solution estimate/reference" in text
-    assert not re.search("anna|Cleo|s003", (out / "class.html").read_text())
+    assert not re.search("anna|dee|s003", (out / "class.html").read_text())
     regrade_class(hw3, out)  # which reads no programs
     assert (out / "class.html").read_text() == text
 
@@ -304,6 +305,42 @@ def test_attempts_and_files_of_canvas_and_blackboard_are_those_of_a_student(hw3,
     with zipfile.ZipFile(tmp_path / "class.zip") as archive:
         archive.extractall(tmp_path / "subs")
     assert graded(hw3, tmp_path / "subs", tmp_path / "out2")[0] == told
+
+
+@pytest.mark.parametrize(
+    ("own", "name", "other"),
+    [
+        ("hw_eve_attempt_2026-11-01-10-11-12", "x_cy_attempt_2099-11-01-10-11-12_a.py", "cy"),
+        ("Eve_9_assignsubmission_file", "Cy_5_assignsubmission_file_a.py", "Participant 5"),
+    ],
+)
+def test_the_name_of_a_file_makes_it_no_other_students(hw3, tmp_path, own, name, other):
+    theirs = own.replace("eve", "cy").replace("Eve_9", "Cy_5")
+    files = {f"{own}_{name}": "x = 1", f"{theirs}_a.py": "y = 1"}
+    told, _ = graded(hw3, packed(tmp_path / "class.zip", files), tmp_path / "out")
+    assert sorted(name.lower().partition("_")[0] for name in told) == ["cy", "eve"]
+    kind = "moodle" if "Eve" in own else "blackboard"
+    result = regrade_class(hw3, tmp_path / "out", columns=kind)
+    table = (tmp_path / "out/class.csv").read_text()
+    assert table.count(other) == 1
+    pack_feedback(result, tmp_path / "out", tmp_path / "feedback.zip")
+    with zipfile.ZipFile(tmp_path / "feedback.zip") as archive:
+        assert len({*archive.namelist()}) == 4
+
+
+def test_names_with_other_spaces_or_quotes_share_no_row(hw3, tmp_path):
+    for name in (" ann.py", "ann .zip"):
+        (tmp_path / "subs").mkdir(exist_ok=True)
+        (tmp_path / "subs" / name).touch()
+    with pytest.raises(AssignmentError, match="ann"):
+        grade_class(hw3, tmp_path / "subs", tmp_path / "out")
+    (tmp_path / "subs/ann .zip").unlink()
+    for name in ("=x.py", "'=x.py", " .py"):
+        (tmp_path / "subs" / name).touch()
+    for _ in range(2):
+        grade_class(hw3, tmp_path / "subs", tmp_path / "out")
+    rows = (tmp_path / "out/by_hand.csv").read_text().splitlines()
+    assert len(rows) == len(set(rows)) == 5
 
 
 # --- groups, and students again

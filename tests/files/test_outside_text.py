@@ -169,7 +169,7 @@ def test_a_report_shows_every_text_and_runs_none(text):
 
 
 def test_a_formula_is_a_text():
-    for text in ("=1", "+1", "-1", "@x", "\tx", "\rx", " =1", "\uff1d1"):
+    for text in ("=1", "+1", "-1", "@x", "\tx", "\rx", " =1", "\uff1d1", "'=1"):
         assert as_cell(text) == "'" + text
         assert as_cell("x" + text) == "x" + text
 

@@ -89,7 +89,7 @@ def is_plain(text: str) -> bool:
 
 def as_cell(text: str) -> str:
     """Return a text as a cell of a table in a file, where no program takes it for a formula."""
-    return f"'{text}" if re.match(r"\s*[=+\-@\uff0b\uff0d\uff1d\uff20]|[\t\r\n]", text) else text
+    return f"'{text}" if re.match(r"'*\s*[=+\-@\uff0b\uff0d\uff1d\uff20]|[\t\r\n]", text) else text
 
 
 def no_formula(text: object) -> str:

@@ -19,7 +19,7 @@ _Rows = list[list[Any]]
 _MOST_FEEDBACK = 1000  # characters
 # How the platforms name what they give to download.
 _OF_CANVAS = re.compile(r"(?P<name>[^_]+)_(LATE_)?(?P<number>\d+)(_\d+_.+)?")
-_OF_BLACKBOARD = re.compile(r".+_(?P<name>[^_]+)_attempt_\d{4}(-\d\d){5}(_.*)?")
+_OF_BLACKBOARD = re.compile(r".+?_(?P<name>[^_]+)_attempt_\d{4}(-\d\d){5}(_.*)?")
 
 
 def marks_table(

@@ -36,7 +36,7 @@ STATUS = {
 }
 
 #: How Moodle names what it gives to download.
-OF_MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
+OF_MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
 
 FINDING = "What robsim check finds"
 OUTPUT = "The submission printed"

@@ -25,13 +25,14 @@ from robsim.teach.tasks.solutions import MODULE
 
 _FORMS = (".zip", ".py", ".ipynb")
 _SENT = (*_FORMS, *ARCHIVES)  # other archives than zips are refused in a sentence
-# Names in downloads of Moodle, Canvas and Blackboard.
+# Names in downloads of Moodle, Canvas and Blackboard. The first match counts: after it comes the
+# name that the student has given to the file, which may look like another student's.
 _MOODLE, _CANVAS, _BLACKBOARD = (
     re.compile(pattern, re.DOTALL)
     for pattern in (
-        r"(?P<student>.+_\d+_assignsubmission_(file|onlinetext))(_(?P<file>.+)?)?",
+        r"(?P<student>.+?_\d+_assignsubmission_(file|onlinetext))(_(?P<file>.+)?)?",
         r"(?P<student>[^_]+_(LATE_)?\d+)_\d+_(?P<file>.+?)(-\d+)?(?P<ending>\.\w+)",
-        r".+_(?P<student>[^_]+)_attempt_(?P<attempt>\d{4}(-\d\d){5})_(?P<file>.+)",
+        r".+?_(?P<student>[^_]+)_attempt_(?P<attempt>\d{4}(-\d\d){5})_(?P<file>.+)",
     )
 )
 
@@ -238,7 +239,7 @@ def _whose(place: str) -> tuple[str, str, str]:
 
 
 def _named(name: str) -> str:
-    return one_line(unicodedata.normalize("NFC", name))
+    return one_line(unicodedata.normalize("NFC", name)).strip() or "_"
 
 
 def _handed(student: str, place: Path, inside: str, files: Sequence[tuple[str, str]]) -> Handed:

@@ -88,5 +88,7 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
 
 
 def _recipient(student: str) -> str:
+    """Return the folder of a student in the zip."""
     match = OF_MOODLE.fullmatch(student)
-    return f"{match['name']}_{match['number']}_assignsubmission_file_" if match else student
+    named = f"{match['name']}_{match['number']}_assignsubmission_file_" if match else student
+    return folder_name(named)
