@@ -87,6 +87,17 @@ def test_programs_that_are_alike_are_a_group(copy):
     assert 25 < group.lines < 70
 
 
+def test_what_stands_before_a_copy_hides_nothing_or_is_told():
+    long = ("# x\n" * 50_000, "\n" * 200_000, f"{chr(39) * 3}{'x ' * 99_999}{chr(39) * 3}\n")
+    for before in (*long, "x = 1\n" * 20_000):
+        found = compared(one=PROGRAM + OTHER, two=before + PROGRAM + OTHER)
+        assert [[*group.names] for group in found.groups] == [["one", "two"]]
+        assert not found.too_long
+    assert compared(one=PROGRAM, two="x = 1\n" * 40_000 + PROGRAM).too_long == ["two"]
+    imports = re.sub(r"(?m)^ +(?=self)", r"\g<0>import os; ", PROGRAM)
+    assert len(compared(one=PROGRAM, two=imports).groups) == 1
+
+
 def test_copies_are_listed_however_many_they_are_and_pairs_with_them_too():
     """Many copies counted as common text, and were unlisted."""
     copies = {f"s{i:02}": (PROGRAM, renamed(PROGRAM))[i % 2] for i in range(17)}

@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations, pairwise, product
+from itertools import combinations, islice, pairwise, product
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -27,7 +27,7 @@ _STRING = r"""(?:(?i:[rbuft]{0,3})
       |"(?:[^"\\\n]|\\.)*+(?:"|$|\Z)))"""
 _TOKEN = re.compile(
     rf"""
-    (?P<none>^[ \t]*+(?:import|from)[ \t](?:[^\n(]*+\([^)]*+\)?|[^\n]*+)
+    (?P<none>^[ \t]*+(?:import|from)[ \t](?:[^\n(;]*+\([^)]*+\)?|[^\n;]*+)
       |\#[^\n]*+|^[ \t]*+(?:[%!][^\n]*+|{_STRING}[ \t\r]*+$)|[\\;]|,(?=\s*+[])}}]))
   | (?P<text>{_STRING})
   | (?P<number>\.?\d[\w.]*(?:(?<=[eE])[+-]\d+)?)
@@ -60,7 +60,7 @@ def tokens_of(source: str) -> Iterator[tuple[str, int, bool]]:
 
 
 RUN = 16  # tokens that are compared as one, some two lines
-_MOST_TEXT = 100_000  # characters of a submission; the rest is not compared
+_MOST_TOKENS = 100_000  # of a submission; the rest is not compared
 
 
 class Place(NamedTuple):
@@ -85,13 +85,16 @@ class Program:
     pieces: tuple[tuple[str, str], ...]
 
     @cached_property
-    def read(self) -> tuple[dict[int, bool], list[tuple[int, Place]]]:
-        """Hashes: of statements at the top, and which are definitions; of runs, and where."""
+    def read(self) -> tuple[dict[int, bool], list[tuple[int, Place]], bool]:
+        """Hashes: of statements at the top, and which are definitions; of runs, and where.
+
+        The last value is true of a program that was cut.
+        """
         statements, runs = {}, []
-        left = _MOST_TEXT
+        left = _MOST_TOKENS
         for number, (_, text) in enumerate(self.pieces):
-            tokens = list(tokens_of(text[: max(left, 0)]))
-            left -= len(text)
+            tokens = list(islice(tokens_of(text), left))
+            left -= len(tokens)
             kinds = [kind for kind, _, _ in tokens]
             tops = [i for i, (_, _, is_top) in enumerate(tokens) if is_top]
             for start, end in pairwise([*tops, len(tokens)]):
@@ -101,7 +104,7 @@ class Program:
                 start = max(end - RUN, 0)
                 place = Place(number, tokens[start][1], tokens[end - 1][1])
                 runs.append((hash(tuple(kinds[start:end])), place))
-        return statements, runs
+        return statements, runs, not left
 
     def lines(self, runs: Collection[int]) -> set[tuple[int, int]]:
         """Return piece and number of each line of some runs."""
@@ -172,6 +175,7 @@ class Comparison:
     pairs: Sequence[SimilarPair]  # the most similar first
     common_lines: int  # lines that pairs leave out, because many students have them
     mostly_common: Sequence[str]  # students who have more such lines than others
+    too_long: Sequence[str]
 
     def renamed(self, pseudonym: Callable[[str], str]) -> Comparison:
         """Return it with other names of students, and without text."""
@@ -192,6 +196,7 @@ class Comparison:
             ],
             self.common_lines,
             in_order(self.mostly_common),
+            in_order(self.too_long),
         )
 
 
@@ -222,8 +227,8 @@ def compared(
     """
     every = dict(sorted(programs.items())) | dict(others)
     known = [program.read for program in given]
-    groups = _groups(every, {each for statements, _ in known for each in statements})
-    given_runs = {run for _, runs in known for run, _ in runs}
+    groups = _groups(every, {each for statements, *_ in known for each in statements})
+    given_runs = {run for _, runs, _ in known for run, _ in runs}
     own = {name: {run for run, _ in every[name].read[1]} - given_runs for name in groups}
     common, counts = _common(own, programs)
     left = {name: runs - common for name, runs in own.items()}
@@ -254,6 +259,7 @@ def compared(
         pairs,
         sum(left_out.values()),
         [name for name, count in left_out.items() if count > len(lines[name])],
+        [name for name, program in sorted(programs.items()) if program.read[2]],
     )
 
 
