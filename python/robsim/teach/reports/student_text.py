@@ -106,12 +106,6 @@ def pseudonymous(
 
 
 def _without_texts(test: TestResult) -> TestResult:
-    return replace(
-        test,
-        failed=tuple(replace(run, reason="", file=None, line=None) for run in test.failed),
-        picture=None,
-        sentence="",
-        caption="",
-        finding="",
-        output="",
-    )
+    failed = tuple(replace(run, reason="", file=None, line=None) for run in test.failed)
+    texts: dict[str, Any] = dict.fromkeys(("sentence", "caption", "finding", "output"), "")
+    return replace(test, failed=failed, picture=None, **texts)

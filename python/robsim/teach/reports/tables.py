@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +15,7 @@ from robsim.teach.reports import words
 from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, fraction_of, number
 from robsim.teach.texts import clean_line
 
-_Rows = list[list[Any]]
+_Rows = Iterator[list[Any]]
 _MOST_FEEDBACK = 1000  # characters
 # How the platforms name what they give to download.
 _OF_CANVAS = re.compile(r"(?P<name>[^_]+)_(LATE_)?(?P<number>\d+)(_\d+_.+)?")
@@ -64,7 +64,7 @@ def _cell(value: Any) -> Any:
 
 def _for_robsim(results: Sequence[SubmissionResult], _: str) -> _Rows:
     names = list(dict.fromkeys(test.name for result in results for test in result.tests))
-    rows: _Rows = [["student", "points", "most", "percent", *names, "is_done", "notes"]]
+    yield ["student", "points", "most", "percent", *names, "is_done", "notes"]
     for result in results:
         points, most = result.points, result.most
         graded = (test for test in result.tests if test.status not in (ERROR, NOT_RUN))
@@ -72,44 +72,37 @@ def _for_robsim(results: Sequence[SubmissionResult], _: str) -> _Rows:
         each = [tests.get(name) for name in names]
         share = round(100 * fraction_of(points, most), 2)
         done = "yes" if result.is_done else "no"
-        rows.append(
-            [result.student, points, most, share, *each, done, " ".join(words.notes(result))]
-        )
-    return rows
+        yield [result.student, points, most, share, *each, done, " ".join(words.notes(result))]
 
 
 def _for_moodle(results: Sequence[SubmissionResult], _: str) -> _Rows:
     grade = ("Grade", "Maximum grade", "Last modified (grade)", "Feedback comments")
-    rows: _Rows = [["Identifier", "Full name", *grade]]
+    yield ["Identifier", "Full name", *grade]
     for result in results:
         match = words.OF_MOODLE.fullmatch(result.student)
         who = [f"Participant {match['number']}", match["name"]] if match else [result.student] * 2
-        points = result.points, result.most
-        rows.append([*who, *points, None, " ".join(_feedback(result))])
-    return rows
+        yield [*who, result.points, result.most, None, " ".join(_feedback(result))]
 
 
 def _for_canvas(results: Sequence[SubmissionResult], title: str) -> _Rows:
-    rows: _Rows = [["Student", "ID", "SIS User ID", "SIS Login ID", "Section", title]]
+    yield ["Student", "ID", "SIS User ID", "SIS Login ID", "Section", title]
     most = max((result.most for result in results), default=0.0)
-    rows.append(["    Points Possible", None, None, None, None, most])
+    yield ["    Points Possible", None, None, None, None, most]
     for result in results:
         match = _OF_CANVAS.fullmatch(result.student)
-        who = [match["name"], match["number"], None] if match else [result.student, None, None]
-        login = None if match else result.student
-        rows.append([*who, login, None, result.points])
-    return rows
+        name = result.student
+        who = [match["name"], match["number"], None, None] if match else [name, None, None, name]
+        yield [*who, None, result.points]
 
 
 def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
-    rows: _Rows = [["Username", title]]
+    yield ["Username", title]
     for result in results:
         match = _OF_BLACKBOARD.fullmatch(result.student)
-        rows.append([match["name"] if match else result.student, result.points])
-    return rows
+        yield [match["name"] if match else result.student, result.points]
 
 
-def _feedback(result: SubmissionResult) -> Iterable[str]:
+def _feedback(result: SubmissionResult) -> Iterator[str]:
     yield from words.by_hand(result)
     told = set()  # of a submission that cannot be read all tests say the same
     for test in result.tests:
