@@ -14,21 +14,24 @@ from robsim.cli.shared import Jobs, Json, Out, engine_of
 
 if TYPE_CHECKING:
     from robsim.teach.assignments import ClassResult
-    from robsim.teach.isolation.check import IsolationReport
 NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
 
 
 def print_isolation(isolation: str, *, as_json: bool) -> None:
     """Print what holds; exit with the status that says whether the level can be had."""
+    from robsim.base.checks import check_choice
     from robsim.teach.errors import GraderError
+    from robsim.teach.isolation.check import check_isolation
+    from robsim.teach.isolation.limits import LEVELS
     from robsim.teach.isolation.start import IsolationError
 
     missing: object = None
+    level = check_choice("isolation", isolation, LEVELS)
     try:
         try:
-            report = checked_isolation(isolation)
+            report = check_isolation(isolation=level)
         except IsolationError as error:
-            missing, report = error, checked_isolation("auto")
+            missing, report = error, check_isolation(isolation="auto")
     except GraderError as error:
         errors.print_error(error)
         raise typer.Exit(NO_WORKER) from None
@@ -37,15 +40,6 @@ def print_isolation(isolation: str, *, as_json: bool) -> None:
         errors.print_error(missing)
     if missing is not None or (isolation == "strict" and not report.strict):
         raise typer.Exit(NOT_STRICT)
-
-
-def checked_isolation(isolation: str) -> IsolationReport:
-    """Return what holds at a level, as it was tried out."""
-    from robsim.base.checks import check_choice
-    from robsim.teach.isolation.check import check_isolation
-    from robsim.teach.isolation.limits import LEVELS
-
-    return check_isolation(isolation=check_choice("isolation", isolation, LEVELS))
 
 
 _MISSING, _BROKEN = 1, 2  # exit statuses

@@ -158,6 +158,7 @@ def _public(assignment: Assignment) -> Finding:
 def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> Iterator[Finding]:
     parts = cast_of(plan.assignment)
     bar = progress_bar(total=len(parts), unit="submission") if progress else None
+    tell = (lambda: None) if bar is None else bar.update
     tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
     # Solutions may be made of what students cannot have; one of the right ones must do without.
     free = plan_of(replace(plan.assignment, masked=(), defaults=True))
@@ -165,14 +166,8 @@ def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> I
         asked = [part for part in parts if not again or not _is_expected(part, tries[part.name][0])]
         for by, name in ((plan, "ruled"), (free, "free")):
             some = [part for part in asked if part.is_free == (by is free)]
-            results = graded(
-                by,
-                some,
-                scratch / f"{again}/{name}",
-                executor=executor,
-                tell=lambda: None if bar is None else bar.update(),
-                again=again,
-            )
+            place = scratch / f"{again}/{name}"
+            results = graded(by, some, place, executor=executor, tell=tell, again=again)
             for part in some:
                 tries[part.name].append(results[part.name])
     if bar is not None:
