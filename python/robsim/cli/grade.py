@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 from robsim.cli import errors
 from robsim.cli.shared import Jobs, Json, Out, engine_of
 
-if TYPE_CHECKING:
-    from robsim.teach.assignments import ClassResult
 NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
 
 
@@ -151,7 +149,8 @@ def grade(
         if feedback is not None:
             pack_feedback(result, out, feedback)
         marks.show(given, result, out, public=public, as_json=as_json)
-    _exit(result)
+    if not result.is_full or result.has_errors:
+        raise typer.Exit(_BROKEN if result.has_errors else _MISSING)
 
 
 @contextmanager
@@ -171,10 +170,3 @@ def _reported() -> Iterator[None]:
     except GradingError as error:
         errors.print_error(f"{error.whose}: {error}")
         raise typer.Exit(_BROKEN) from None
-
-
-def _exit(result: ClassResult) -> None:
-    if result.has_errors:
-        raise typer.Exit(_BROKEN)
-    if not result.is_full:
-        raise typer.Exit(_MISSING)

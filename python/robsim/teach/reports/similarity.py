@@ -205,11 +205,9 @@ def read_comparison(file: Path) -> Comparison | None:
     try:
         data = json.loads(file.read_bytes())
         groups = [Group(**one) for one in data["groups"]]
-        for one in data["pairs"]:
-            one["passages"] = tuple(
-                (Passage(**left), Passage(**right)) for left, right in one["passages"]
-            )
-        pairs = [SimilarPair(**one) for one in data["pairs"]]
+        for pair in data["pairs"]:
+            pair["passages"] = [[Passage(**one) for one in both] for both in pair["passages"]]
+        pairs = [SimilarPair(**pair) for pair in data["pairs"]]
         return Comparison(**data | {"groups": groups, "pairs": pairs})
     except (OSError, ValueError, TypeError, KeyError):
         return None

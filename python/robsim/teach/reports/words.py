@@ -267,11 +267,6 @@ def _reason(run: FailedRun) -> str:
     return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
 
 
-def failed_head(test: TestResult) -> str:
-    failed = f"{len(test.failed)} of {test.runs} runs did not come through"
-    return f"{failed}: each takes its part of the points"
-
-
 def caption_text(test: TestResult) -> str:
     if test.picture is None and test.failed:
         if test.worst is None:
@@ -292,7 +287,8 @@ def boxes(test: TestResult) -> Iterator[tuple[str, str | list[str]]]:
     if test.finding:
         yield FINDING, test.finding
     if test.failed:
-        yield failed_head(test), failed_texts(test)
+        failed = f"{len(test.failed)} of {test.runs} runs did not come through"
+        yield f"{failed}: each takes its part of the points", failed_texts(test)
     if output := test.output.rstrip():
         yield OUTPUT, output
 

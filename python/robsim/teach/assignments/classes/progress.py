@@ -52,18 +52,16 @@ class Progress:
 
     def _read(self) -> None:
         self._refused, self._digest = "", ""
-        self._notes: tuple[str, ...] = ()
         self.contents: Contents | None = None
         rules = self._assignment._rules()
         try:
             self.contents = open_submission(self.handed.path, rules, self.handed.files)
             files = arranged(self.contents, rules, self._assignment.files_of_all)
+            self._notes = tuple(map(clean_text, files.notes))
+            self._digest = digests.of_submission(files)
         except SubmissionError as error:
             self._refused = clean_text(str(error))
             self._notes = (self._refused,)
-        else:
-            self._notes = tuple(map(clean_text, files.notes))
-            self._digest = digests.of_submission(files)
 
     def _kept(self, old: SubmissionResult | None) -> dict[str, TestResult]:
         """Return the results that still hold, by test; say why none does."""
