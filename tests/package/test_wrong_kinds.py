@@ -190,6 +190,8 @@ EXAMPLES = {
     "Solution.load.is_right": lambda: True,
     "TaskCalibration.from_record.record": lambda: calibrated().as_record(),
     "TaskCalibration.stale.task": robsim.teach.EstimateTask,
+    "TaskCalibration.for_task.task": robsim.teach.EstimateTask,
+    "TaskCalibration.for_task.solutions": lambda: robsim.teach.EstimateTask().solutions,
     "calibrate_task.task": lambda: robsim.teach.EstimateTask(steps=20, runs=1),
     "Submission.call.name": lambda: "fit",
     "Submission.calls.name": lambda: "fit",

@@ -134,10 +134,12 @@ class TaskCalibration(Report):
 
     def for_task(self, task: Task, solutions: Iterable[Solution]) -> TaskCalibration:
         """Return it as provisional limits of another task of its kind."""
+        check_task(task)
+        of_solutions = solutions_digest(check_kinds("solutions", solutions, Solution))
         return replace(
             self,
             task_digest=task_digest(task),
-            solutions_digest=solutions_digest(solutions),
+            solutions_digest=of_solutions,
             provisional=SHIPPED_TASK,
         )
 
