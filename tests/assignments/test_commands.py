@@ -101,7 +101,7 @@ def test_zips_become_marks(tmp_path):
             "ben": "0",
         }
     assert {file.name for file in out.iterdir()} == {
-        *("anna", "ben", "class.csv", "class.html", "by_hand.csv")
+        *("anna", "ben", "class.csv", "class.html", "by_hand.csv", "similar.json")
     }
     for one in result.results:
         files = {file.name for file in (out / one.student).iterdir()}
@@ -111,7 +111,7 @@ def test_zips_become_marks(tmp_path):
         assert (told.points, told.is_done) == (one.points, True)
         assert "provisional" in (out / one.student / "result.txt").read_text()
     assert "not yet" in result.remarks
-    assert "not yet" in (out / "class.html").read_text()
+    assert "Not yet." in (out / "class.html").read_text()
     limits.write_text(exact)
     regraded = regrade_class(load_assignment(hw3.folder), out)
     assert "not yet" not in regraded.remarks

@@ -114,7 +114,7 @@ def test_a_class_has_a_line_for_each_and_a_table(course, hw3):
     assert "s001  6 of 6\n" in run.stdout
     assert "s002  0 of 6  not all of shown, hidden\n" in run.stdout
     assert {file.name for file in (hw3 / "graded").iterdir()} == {
-        *("s001", "s002", "class.html", "class.csv", "by_hand.csv")
+        *("s001", "s002", "class.html", "class.csv", "by_hand.csv", "similar.json")
     }
     again = command("grade", "hw3", "subs", "--json")
     told = [SubmissionResult.from_json(json.dumps(one)) for one in json.loads(again.stdout)]
