@@ -49,7 +49,8 @@ def read_text(path: Path, most: int = MOST_TOML) -> str:
     try:
         return content.decode("utf-16" if is_utf16 else "utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ValueError(f"{one_line(path)} is not UTF-8 text") from error
+        hint = ": save it as CSV UTF-8" if path.suffix.lower() == ".csv" else ""  # Excel's name
+        raise ValueError(f"{one_line(path)} is not UTF-8 text{hint}") from error
 
 
 def _size(count: int) -> str:

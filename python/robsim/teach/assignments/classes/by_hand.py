@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
-from robsim.base.files import content_of, read_text, write_whole
 from robsim.base.spelling import suggestion
 from robsim.base.text import as_cell, quoted
 from robsim.teach.assignments.assignment import BY_HAND, Assignment, LateRule
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.store import Marks, ResultFolder
+from robsim.teach.assignments.classes.table import Table
 from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.writing import TABLE
 from robsim.teach.results import FAILED, NOT_RUN, PARTIAL, PASSED, ByHand, TestResult, number
 from robsim.teach.texts import clean_text
 
-_MOST = 2**24  # bytes
 _MOST_COMMENT = 2000  # characters
 _NUMBER = re.compile(r"-?[0-9]+([.,][0-9]*)?")
-_ENCODINGS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb": "utf-8-sig"}
 
 
 def take_table(plan: Plan, folder: ResultFolder, students: Sequence[str]) -> dict[str, Marks]:
@@ -33,9 +26,13 @@ def take_table(plan: Plan, folder: ResultFolder, students: Sequence[str]) -> dic
 
     A single submission needs no table. Raise AssignmentError with all that is wrong in it.
     """
-    table = _Table.read(folder.folder / TABLE)
-    if len(students) < 2 and not table.file.exists():
+    file = folder.folder / TABLE
+    if len(students) < 2 and not file.exists():
         return {}
+    try:
+        table = Table.read(file) if file.exists() else Table(file, ["student"], [])
+    except ValueError as error:
+        raise AssignmentError(str(error), file=TABLE) from None
     limits = _limits(plan)
     known = {as_cell(student) for student in (*folder.students(), *students)}
     rows = [row for row in table.rows if any(row.values())]
@@ -46,45 +43,6 @@ def take_table(plan: Plan, folder: ResultFolder, students: Sequence[str]) -> dic
     new = [cell for cell in map(as_cell, students) if cell not in found]
     table.complete([*BY_HAND, *plan.assignment.by_hand], new)
     return {one: _marks(found.get(as_cell(one), {}), plan.assignment) for one in students}
-
-
-@dataclass
-class _Table:
-    """The cells of the file, and how they are written."""
-
-    file: Path
-    columns: list[str]
-    rows: list[dict[str, Any]]  # None: the list of cells without a column
-    delimiter: str = ","
-    encoding: str = "utf-8-sig"  # without its mark Excel expects another one
-
-    @classmethod
-    def read(cls, file: Path) -> _Table:
-        """Return the table of a file, or of none."""
-        if not file.exists():
-            return cls(file, ["student"], [])
-        try:
-            text = read_text(file, _MOST)
-            delimiter = max(",;\t", key=text.partition("\n")[0].count)
-            rows = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter, restval="")
-            rows.fieldnames = [name.strip() for name in rows.fieldnames or ()]
-            encoding = _ENCODINGS.get(content_of(file, 2), "utf-8")
-            return cls(file, [*rows.fieldnames], [*rows], delimiter, encoding)
-        except (ValueError, csv.Error) as error:
-            raise AssignmentError(f"{TABLE}: {error}", file=TABLE) from None
-
-    def complete(self, columns: Sequence[str], students: Sequence[str]) -> None:
-        """Add columns and rows, and change nothing else."""
-        lacking = [name for name in columns if name not in self.columns]
-        if not lacking and not students:
-            return
-        content = io.StringIO()
-        names, delimiter = self.columns + lacking, self.delimiter
-        table = csv.DictWriter(content, names, delimiter=delimiter, extrasaction="ignore")
-        table.writeheader()
-        table.writerows([*self.rows, *({"student": student} for student in students)])
-        self.file.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(self.file, content.getvalue().encode(self.encoding, "backslashreplace"))
 
 
 def _limits(plan: Plan) -> dict[str, float]:
@@ -124,7 +82,7 @@ def _value(row: Mapping[str, str], name: str) -> float | None:
     return float(cell) if cell else None
 
 
-def _of_columns(table: _Table, limits: Mapping[str, float]) -> Iterator[str]:
+def _of_columns(table: Table, limits: Mapping[str, float]) -> Iterator[str]:
     known = (*BY_HAND, *limits)
     if "student" not in table.columns:
         yield "there is no column student"

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from robsim.base.files import read_text
 from robsim.base.text import listed, one_line
+from robsim.teach.assignments.classes.table import Table
 from robsim.teach.errors import SubmissionError
 from robsim.teach.reports.words import OF_MOODLE, person
 from robsim.teach.submissions import Rules
@@ -27,19 +26,15 @@ def read_groups(file: Path) -> dict[str, list[str]]:
 
     Raise ValueError if a column is missing, or if students are in two groups.
     """
-    lines = read_text(file).splitlines() or [""]
-    separator = max(",;\t", key=lines[0].count)
-    heads, *rows = [
-        [cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)
-    ]
-    heads = [head.lower() for head in heads]
-    if missing := [name for name in _COLUMNS if name not in heads]:
+    table = Table.read(file)
+    columns = {name.lower(): name for name in table.columns}
+    if missing := [name for name in _COLUMNS if name not in columns]:
         raise ValueError(
             f"{one_line(file)} must have the columns group and student, got no {missing[0]}"
         )
     groups: dict[str, list[str]] = {}
-    for row in rows:
-        group, student = (dict(zip(heads, row, strict=False)).get(name, "") for name in _COLUMNS)
+    for row in table.rows:
+        group, student = (row[columns[name]].strip() for name in _COLUMNS)
         if group and student:
             groups.setdefault(group, []).append(student)
     known = [student for students in groups.values() for student in students]

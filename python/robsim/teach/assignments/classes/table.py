@@ -1,0 +1,53 @@
+"""Tables that a teacher writes: the cells of a CSV file, as spreadsheets have it."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robsim.base.files import content_of, read_text, write_whole
+from robsim.base.text import one_line
+
+_MOST = 2**24  # bytes
+_ENCODINGS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb": "utf-8-sig"}
+
+
+@dataclass
+class Table:
+    """The cells of the file, and how they are written."""
+
+    file: Path
+    columns: list[str]
+    rows: list[dict[str, Any]]  # None: the list of cells without a column
+    delimiter: str = ","
+    encoding: str = "utf-8-sig"  # without its mark Excel expects another one
+
+    @classmethod
+    def read(cls, file: Path) -> Table:
+        """Return the table of a file; raise ValueError if that is broken."""
+        text = read_text(file, _MOST)
+        delimiter = max(",;\t", key=text.partition("\n")[0].count)
+        rows = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter, restval="")
+        try:
+            rows.fieldnames = [name.strip() for name in rows.fieldnames or ()]
+            encoding = _ENCODINGS.get(content_of(file, 2), "utf-8")
+            return cls(file, [*rows.fieldnames], [*rows], delimiter, encoding)
+        except csv.Error as error:
+            raise ValueError(f"{one_line(file)}: {error}") from None
+
+    def complete(self, columns: Sequence[str], students: Sequence[str]) -> None:
+        """Add columns and rows, and change nothing else."""
+        lacking = [name for name in columns if name not in self.columns]
+        if not lacking and not students:
+            return
+        content = io.StringIO()
+        names, delimiter = self.columns + lacking, self.delimiter
+        table = csv.DictWriter(content, names, delimiter=delimiter, extrasaction="ignore")
+        table.writeheader()
+        table.writerows([*self.rows, *({"student": student} for student in students)])
+        self.file.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(self.file, content.getvalue().encode(self.encoding, "backslashreplace"))
