@@ -270,6 +270,7 @@ def test_a_download_of_moodle_is_a_class_as_it_comes(hw3, tmp_path, ran):
         f"{moodle.format('Fay_6')}/../../up.py": "x",
         f"{moodle.format('Gus_7')}\\old.txt": "x",
         link: "/etc/passwd",
+        f"{moodle.format('Mia_9')}/": "",
         "__MACOSX/._x": "x",
         "Thumbs.db": "x",
     }
@@ -277,7 +278,13 @@ def test_a_download_of_moodle_is_a_class_as_it_comes(hw3, tmp_path, ran):
     told, warned = graded(hw3, path, tmp_path / "out")
     names = {name.split("_")[0]: sentence for name, sentence in told.items()}
     parts = {"Zoë": "right.txt", "Ben": "onlinetext.html", "Cy": "a.py", "Dora": "larger"}
-    parts |= {"Emil": "archive", "Fay": "leads out", "Gus": "old.txt", "Lo": "link"}
+    parts |= {
+        "Emil": "archive",
+        "Fay": "leads out",
+        "Gus": "old.txt",
+        "Lo": "link",
+        "Mia": "is empty",
+    }
     assert names.keys() == parts.keys()
     for name, part in parts.items():
         assert part in names[name]

@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from robsim.base.files.reading import regular
 from robsim.base.text import quoted
@@ -59,10 +59,14 @@ def _class_zip(path: Path) -> Iterator[zipfile.ZipFile]:
 
 
 def paths_in(path: Path) -> list[str]:
-    """Return the paths of all files in the zip of a class; SubmissionError: it is broken."""
+    """Return the paths of files and empty folders in the zip of a class.
+
+    An empty folder ends in "/". SubmissionError: the zip is broken.
+    """
     with _told(path.name), _class_zip(path) as archive:
         paths = [_place_of(entry) for entry in archive.infolist()]
-        return [place for place in paths if not place.endswith("/")]
+    filled = {f"{folder}/" for path in paths for folder in PurePosixPath(path).parents}
+    return [path for path in paths if path not in filled]
 
 
 def read_from_class(path: Path, files: Sequence[tuple[str, str]], intake: Intake) -> Intake:
