@@ -76,6 +76,23 @@ def test_what_makes_no_sense_is_refused(tmp_path):
         assert named in done.stderr
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--columns", "moodle", "--student", "anna"),
+        ("--pseudonyms", "--public"),
+        ("--groups", "groups.csv", "--gradescope", "results.json"),
+        ("--only", "anna", "--regrade"),
+        ("--feedback", "f.zip", "--play", "hidden"),
+        ("--run", "3"),
+    ],
+)
+def test_an_option_without_effect_is_refused(tmp_path, words):
+    done = command("grade", str(assignment(tmp_path / "hw3")), str(tmp_path), *words)
+    assert done.exit_code == 2
+    assert words[0] in done.stderr
+
+
 # --- from zips to marks
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
 import typer
 
+from robsim.base.text import listed
 from robsim.cli import errors
 from robsim.cli.shared import Jobs, Json, Out, engine_of
 
@@ -41,6 +43,13 @@ def print_isolation(isolation: str, *, as_json: bool) -> None:
 
 
 _MISSING, _BROKEN = 1, 2  # exit statuses
+_OF_CLASS = "columns pseudonyms groups"
+#: Options by the name of another one, which would ignore them.
+_APART = {
+    "play": f"regrade only public gradescope teacher_pages feedback {_OF_CLASS}",
+    "regrade": "only public student gradescope groups",
+    **dict.fromkeys(("student", "public", "gradescope"), _OF_CLASS),
+}
 
 
 def grade(
@@ -119,6 +128,7 @@ def grade(
         from robsim.teach.assignments import load_assignment, pack_feedback, regrade_class
         from robsim.teach.isolation.limits import LEVELS
 
+        _check_together(locals())
         if assignment is None:
             raise ValueError(
                 "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks "
@@ -126,8 +136,8 @@ def grade(
             )
         level = None if isolation is None else check_choice("isolation", isolation, LEVELS)
         given = load_assignment(assignment, isolation=level)
-        if gui and play is None:
-            raise ValueError("--gui shows the run to --play: give that, too")
+        if play is None and (gui or run is not None):
+            raise ValueError("--gui and --run are for the run to --play: give that, too")
         executor = engine_of(jobs)
         if feedback is not None:
             check_file(feedback)
@@ -151,6 +161,16 @@ def grade(
         marks.show(given, result, out, public=public, as_json=as_json)
     if not result.is_full or result.has_errors:
         raise typer.Exit(_BROKEN if result.has_errors else _MISSING)
+
+
+def _check_together(values: Mapping[str, Any]) -> None:
+    """Raise ValueError for an option that another one would leave without effect."""
+    options = signature(grade).parameters.items()
+    given = [name for name, one in options if values[name] != one.default]
+    for name in given:
+        if useless := [f"--{one}" for one in _APART.get(name, "").split() if one in given]:
+            said = f"--{name} would ignore {listed(useless)}: leave one out"
+            raise ValueError(said.replace("_", "-"))
 
 
 @contextmanager
