@@ -121,6 +121,7 @@ def test_what_a_teacher_writes_lives_on_in_all_tables_and_pages(
         assert "--only style" not in text  # there is nothing to repeat
     page = (out / "class.html").read_text("utf-8")
     assert ">6</b>" in page
+    assert "not run" not in (out / "s003/result.txt").read_text("utf-8")
     assert any("größer" in title for title in Outline(page).attributes("title"))
     read = SubmissionResult.from_json((out / "s002/result.json").read_text())
     assert (read.points, read.points_of_tests) == (6, before["s002"])

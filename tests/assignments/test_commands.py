@@ -10,6 +10,7 @@ from commands import command
 from robsim.cli import assignment as commands
 from robsim.cli import grade
 from robsim.teach import SubmissionResult, grade_class, load_assignment, regrade_class
+from robsim.teach.reports import marks_table
 from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
 from submissions import packed
 
@@ -103,7 +104,7 @@ def test_zips_become_marks(tmp_path):
     wrong = "def estimate_state(step):\n    return step.k / 0\n"
     limits = tmp_path / "hw3/limits.json"
     exact = limits.read_text()
-    limits.write_text(exact.replace('{"limits":', '{"provisional": "not yet", "limits":'))
+    limits.write_text(exact.replace('{"limits":', '{"provisional": "Not yet", "limits":'))
     hw3 = load_assignment(hw3.folder)
     (tmp_path / "subs").mkdir()
     packed(tmp_path / "subs/anna.zip", right)
@@ -127,9 +128,10 @@ def test_zips_become_marks(tmp_path):
         told = SubmissionResult.from_json((out / one.student / "result.json").read_text())
         assert (told.points, told.is_done) == (one.points, True)
         assert "provisional" in (out / one.student / "result.txt").read_text()
-    assert "not yet" in result.remarks
+    assert "Not yet" in result.remarks
+    assert "provisional" in marks_table(result.results, columns="moodle")
     assert "Not yet." in (out / "class.html").read_text()
     limits.write_text(exact)
     regraded = regrade_class(load_assignment(hw3.folder), out)
-    assert "not yet" not in regraded.remarks
+    assert "Not yet" not in regraded.remarks
     assert "provisional" not in (out / "anna/result.txt").read_text()

@@ -18,7 +18,7 @@ _MOST_LINES, _LONGEST = 20, 200  # of what was printed
 def student_text(result: SubmissionResult) -> str:
     """Return the result as text: what is in it is said. For students: `for_student`."""
     points = of_most(result.points, result.most)
-    lines = [clean_line(result.title), f"{clean_line(words.person(result.student))}: {points}"]
+    lines = [clean_line(result.title), f"{clean_line(words.who(result))}: {points}"]
     if not result.is_done:
         lines.append("Not all tests have been run yet.")
     lines += _wrapped(words.not_graded(result), "", "")
@@ -33,7 +33,7 @@ def student_text(result: SubmissionResult) -> str:
 
 
 def _test(result: SubmissionResult, test: TestResult) -> Iterator[str]:
-    word, sign = words.STATUS.get(test.status, (test.status, " "))
+    word, sign = words.status(test)
     points = words.result_text(test)
     kind = "" if test.public else ", hidden"
     yield clean_line(f"{sign} {words.test_title(test)}: {word}, {points}{kind}")

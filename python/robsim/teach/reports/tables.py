@@ -103,7 +103,7 @@ def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
 
 
 def _feedback(result: SubmissionResult) -> Iterator[str]:
-    yield from words.by_hand(result)
+    yield from (*words.by_hand(result), *words.provisional(result))
     told = set()  # of a submission that cannot be read all tests say the same
     for test in result.tests:
         yield f"{words.test_title(test)}: {words.result_text(test)}."

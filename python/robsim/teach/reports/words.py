@@ -35,6 +35,13 @@ STATUS = {
     NOT_RUN: ("not run", "-"),
 }
 
+
+def status(test: TestResult) -> tuple[str, str]:
+    """Return the word for the status of a test, and its sign."""
+    is_open = test.by_hand and test.status == NOT_RUN
+    return ("not given yet", "-") if is_open else STATUS[test.status]
+
+
 #: How Moodle names what it gives to download.
 OF_MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
 

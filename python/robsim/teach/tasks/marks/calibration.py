@@ -27,8 +27,8 @@ POWER, MOST_OF_WRONG = 0.95, 0.5
 #: The source of provisional limits.
 SHIPPED_TASK, NORMAL = "shipped task", "normal bound"
 _PROVISIONAL = {
-    SHIPPED_TASK: "the task that ships with robsim has these, with other numbers",
-    NORMAL: "a normal tolerance bound from few tests",
+    SHIPPED_TASK: "they belong to the task that ships with robsim, whose numbers differ",
+    NORMAL: "they are estimated from few tests",
 }
 
 
