@@ -125,7 +125,7 @@ def _output(result: SubmissionResult) -> str:
 
 
 def _test(test: TestResult, picture: str | None, hidden: str) -> dict[str, Any]:
-    status = f"{words.STATUS[test.status][0]}: {words.result_text(test)}"
+    status = f"{words.status(test)[0]}: {words.result_text(test)}"
     texts = (status, test.sentence, words.blame(test))
     content: dict[str, Any] = {
         "name": clean_line(test.title),

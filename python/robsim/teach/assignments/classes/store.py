@@ -143,13 +143,14 @@ def other_programs(assignment: Assignment) -> dict[str, Program]:
     These are the solutions of tasks, and the submissions in ``earlier/``: each entry is one, or a
     folder of them. Raise AssignmentError or OSError as `submissions_in`.
     """
-    found = {}
+    found: dict[str, Program] = {}
     for task in {test.task.name: test.task for test in assignment.tests}.values():
         for one in (*task.solutions, *solutions_for(assignment.folder, task)):
             kind = "shipped solution" if one.folder is None else "solution"
             files = {f"{name}.py": source for name, source in one.files.items()}
             sources = one.notebook.sources if one.notebook else files
-            found[f"{kind} {task.name}/{one.name}"] = program_of(sources)
+            if (program := program_of(sources)) not in found.values():  # as shipped
+                found[f"{kind} {task.name}/{one.name}"] = program
     for entry in sorted((assignment.folder / EARLIER).glob("[!._]*")):
         for handed in submissions_in(entry, assignment):
             is_class = handed.files or handed.path != str(entry)
