@@ -181,12 +181,9 @@ def _reported() -> Iterator[None]:
 
     try:
         yield
-    except IsolationError as error:
+    except (IsolationError, SubmissionError) as error:  # the latter of a single run
         errors.print_error(error)
-        raise typer.Exit(NOT_STRICT) from None
-    except SubmissionError as error:  # of a single run
-        errors.print_error(error)
-        raise typer.Exit(_MISSING) from None
+        raise typer.Exit(_MISSING if isinstance(error, SubmissionError) else NOT_STRICT) from None
     except GradingError as error:
         errors.print_error(f"{error.whose}: {error}")
         raise typer.Exit(_BROKEN) from None

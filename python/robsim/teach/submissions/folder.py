@@ -15,6 +15,7 @@ from robsim.teach.submissions.rules import Rules
 _MOST_LEFTOVERS = 20  # times as many as files that count
 #: Suffixes of archives. The grader reads zips alone.
 ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".tgz", ".gz", ".bz2", ".xz")
+FORMS = (".zip", ".py", ".ipynb")  # suffixes of submissions
 
 
 def size_text(size: int) -> str:
@@ -83,8 +84,6 @@ _BY_DESCRIPTOR = {os.open, os.stat} <= os.supports_dir_fd and os.scandir in os.s
 _FLAGS = os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 # A FIFO or a terminal that came in between keeps nobody.
 _SAFE = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
-_ZIP = ".zip"
-_GRADED = (_ZIP, ".py", ".ipynb")
 _KINDS = {
     stat.S_IFLNK: "a link: put the file itself in its place",
     stat.S_IFIFO: "a pipe: remove it",
@@ -143,9 +142,9 @@ def lone_zip_of(names: Mapping[str, bool], intake: Intake) -> str | None:
     found = [
         name
         for name, is_folder in names.items()
-        if (is_folder or name.lower().endswith(_GRADED)) and intake.wants(name)
+        if (is_folder or name.lower().endswith(FORMS)) and intake.wants(name)
     ]
-    is_zip = len(found) == 1 and found[0].lower().endswith(_ZIP) and not names[found[0]]
+    is_zip = len(found) == 1 and found[0].lower().endswith(FORMS[0]) and not names[found[0]]
     return found[0] if is_zip else None
 
 

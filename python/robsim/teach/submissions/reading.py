@@ -19,6 +19,7 @@ from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.archive import most_of_archive, read_archive, read_from_class
 from robsim.teach.submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFiles
 from robsim.teach.submissions.folder import (
+    FORMS,
     Intake,
     kind_of,
     lone_zip,
@@ -37,7 +38,6 @@ from robsim.teach.submissions.python_text import (
 )
 from robsim.teach.submissions.rules import Rules
 
-_FORMS = (".zip", ".py", ".ipynb")
 _TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of these"
 
 
@@ -94,7 +94,7 @@ def _of_class(path: Path, files: Sequence[tuple[str, str]], rules: Rules) -> Con
     first, name = files[0]
     is_one_file = len(files) == 1 and bool(name)
     whole = one_line(name if is_one_file else PurePosixPath(first).name)
-    if is_one_file and not name.lower().endswith(_FORMS):
+    if is_one_file and not name.lower().endswith(FORMS):
         raise refusal(whole, f" cannot be graded: {_TAKEN}")
     intake = Intake(whole, rules)
     if not path.is_dir():
@@ -102,7 +102,7 @@ def _of_class(path: Path, files: Sequence[tuple[str, str]], rules: Rules) -> Con
     else:
         for place, file in files:
             intake.add(file, _all_of(path / place, one_line(place), intake.most_of(file)))
-    is_one_file = is_one_file and not name.lower().endswith(_FORMS[0])
+    is_one_file = is_one_file and not name.lower().endswith(FORMS[0])
     return Contents(intake.whole, intake.files, is_one_file)
 
 
@@ -134,7 +134,7 @@ def _opened(path: Path, rules: Rules) -> Contents:
     if suffix == ".zip":
         read_archive(_all_of(path, name, most_of_archive(rules)), intake)
         return Contents(name, intake.files)
-    if suffix not in _FORMS:
+    if suffix not in FORMS:
         raise refusal(name, f" cannot be graded: {_TAKEN}")
     file = f"{path.stem}{suffix}"
     intake.add(file, _all_of(path, name, intake.most_of(file)))

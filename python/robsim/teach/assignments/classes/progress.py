@@ -165,9 +165,6 @@ def versions() -> dict[str, str]:
     }
 
 
-Tell = Callable[[SubmissionResult, str], Any]
-
-
 @dataclass
 class Schedule:
     """Hands out the tests of submissions, each submission's tests one after the other.
@@ -180,7 +177,7 @@ class Schedule:
     plan: Plan
     handed: Sequence[Handed]
     folder: ResultFolder
-    tell: Tell | None = None
+    tell: Callable[[SubmissionResult, str], Any] | None = None
     students: Collection[str] | None = None
     results: list[SubmissionResult] = field(default_factory=list)
     programs: dict[str, Program] = field(default_factory=dict)

@@ -18,13 +18,12 @@ from robsim.teach.assignments.classes.groups import FILE, in_groups, read_groups
 from robsim.teach.errors import AssignmentError, SubmissionError
 from robsim.teach.reports.writing import folder_name
 from robsim.teach.submissions.archive import paths_in
-from robsim.teach.submissions.folder import ARCHIVES
+from robsim.teach.submissions.folder import ARCHIVES, FORMS
 from robsim.teach.submissions.names import same_for_all
 from robsim.teach.submissions.reading import arranged, open_submission
 from robsim.teach.tasks.solutions import MODULE
 
-_FORMS = (".zip", ".py", ".ipynb")
-_SENT = (*_FORMS, *ARCHIVES)  # other archives than zips are refused in a sentence
+_SENT = (*FORMS, *ARCHIVES)  # other archives than zips are refused in a sentence
 # Names in downloads of Moodle, Canvas and Blackboard. The first match counts: after it comes the
 # name that the student has given to the file, which may look like another student's.
 _MOODLE, _CANVAS, _BLACKBOARD = (
@@ -74,7 +73,7 @@ def one_submission(
             for one in submissions_in(place.parent, assignment):
                 if one.student == place.name:
                     return one
-        found = [file for form in _FORMS if (file := Path(f"{place}{form}")).is_file()]
+        found = [file for form in FORMS if (file := Path(f"{place}{form}")).is_file()]
         if len(found) != 1:
             raise FileNotFoundError(2, "there is no such submission", str(path))
     (place,) = found
