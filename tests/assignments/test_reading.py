@@ -221,6 +221,14 @@ def test_limits_that_are_wrong_are_named(tmp_path):
         assert re.search(rf"^limits\.json.*{named}", refused(folder), re.DOTALL)
 
 
+@pytest.mark.parametrize("said", [True, 1, ["x"], None])
+def test_why_limits_are_provisional_is_a_text(tmp_path, said):
+    folder = assignment(tmp_path)
+    content = {"format": 1, "tests": {"shown": {"limits": LIMITS, "provisional": said}}}
+    (folder / "limits.json").write_text(json.dumps(content))
+    assert re.search(r"^limits\.json.*provisional", refused(folder), re.DOTALL)
+
+
 def calibrated(folder, made):
     """Write the limits of the first test as those of a task, which come from its solutions."""
     record = calibration.TaskCalibration(

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from robsim.base.checks import check_text
+from robsim.base.files.reading import parse_json
 from robsim.base.report import Column, Quantity, Report, Row, Table
 
 
@@ -298,7 +299,7 @@ class SubmissionResult:
     @classmethod
     def from_json(cls, text: str) -> SubmissionResult:
         """Return what `to_json` wrote; raise ValueError if it is something else."""
-        data = json.loads(check_text("text", text))
+        data = parse_json(check_text("text", text), 2**20)
         if not isinstance(data, dict) or data.pop("format", None) != FORMAT:
             raise ValueError(f"no result of a submission of format {FORMAT}")
         try:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from robsim.base.checks import as_float_array
+from robsim.base.checks import as_float_array, check_text
 from robsim.base.files import codec, read_text, write_whole
 from robsim.base.files.reading import parse_json
 from robsim.teach.errors import AssignmentError
@@ -82,7 +82,7 @@ _TEST = codec.Table(
         "limits": codec.named(_SCORE),
         "reference": codec.named(_numbers),
         "calibration": _calibration,
-        "provisional": "",
+        "provisional": check_text,
     },
     ignores_others=True,
 )

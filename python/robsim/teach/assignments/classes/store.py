@@ -82,7 +82,7 @@ class ResultFolder:
     def paths(self, student: str) -> dict[str, list[list[float]]]:
         try:
             data = json.loads((self.of(student) / PATHS).read_bytes())
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             return {}
         return data if isinstance(data, dict) else {}
 
