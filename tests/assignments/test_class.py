@@ -380,10 +380,22 @@ def test_the_members_of_a_group_get_its_marks(hw3, tmp_path):
     with pytest.raises(AssignmentError, match="group g1, cy, g1"):
         graded(hw3, subs, out)
     other = tmp_path / "other.csv"
-    for text, named in (("group,student\na,cy\nb,cy\n", "cy"), ("grp,student\n", "no group")):
+    long = f"group,student\na,{'x' * 200_000}\n"
+    twice = "group,student\na,cy\nb,cy\n"
+    for text, named in ((twice, "cy"), ("grp,student\n", "no group"), (long, "other.csv.*field")):
         other.write_text(text)
         with pytest.raises(ValueError, match=named):
             grade_class(hw3, subs, out, groups=other)
+
+
+def test_no_member_of_a_group_loses_a_mark_to_one_of_the_same_name(hw3, tmp_path):
+    names = ("Ann_1_assignsubmission_file", "Ann_7_assignsubmission_file")
+    files = {f"{name}/a.txt": "x" for name in names}
+    packed(tmp_path / "class.zip", files | {"Cy_3_assignsubmission_file/b.txt": "x"})
+    (tmp_path / "groups.csv").write_text("group,student\nteam,Ann\n")
+    with pytest.warns(UserWarning, match="Cy"):
+        result = grade_class(hw3, tmp_path / "class.zip", tmp_path / "out")
+    assert [one.members for one in result.results if one.student == "team"] == [names]
 
 
 def test_a_group_of_moodle_hands_in_once(hw3, tmp_path):

@@ -79,8 +79,8 @@ def in_groups(
 def _of_group(group: str, ones: Sequence[Handed], students: Sequence[str]) -> Handed:
     # The names of platforms have numbers, which their tables need.
     names = [one.student.removeprefix(f"{group}-") for one in ones]
-    known = {person(name): name for name in names}
-    members = tuple(one_line(known.get(student, student)) for student in students)
+    of = {one: [n for n in names if one in (n, person(n))] or [one] for one in students}
+    members = tuple(one_line(name) for student in students for name in of[student])
     return replace(ones[0], student=one_line(group), members=members)
 
 
