@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -128,7 +129,8 @@ def played(
         errors.show(f"it printed:\n{again.output}")
     errors.say(f"picture: {one_line(picture)}")
     if not is_shown:
-        errors.say(f"in the panel: the same command with --gui, or robsim gui {one_line(trace)}")
+        shown = f"robsim gui {shlex.quote(one_line(trace))}"
+        errors.say(f"in the panel: the same command with --gui, or {shown}")
         return
     from robsim.gui import panel
 

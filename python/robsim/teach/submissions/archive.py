@@ -59,10 +59,7 @@ def _class_zip(path: Path) -> Iterator[zipfile.ZipFile]:
 
 
 def paths_in(path: Path) -> list[str]:
-    """Return the paths of files and empty folders in the zip of a class.
-
-    An empty folder ends in "/". SubmissionError: the zip is broken.
-    """
+    """Return all files and empty folders ("a/") in the zip of a class; SubmissionError: broken."""
     with _told(path.name), _class_zip(path) as archive:
         paths = [_place_of(entry) for entry in archive.infolist()]
     filled = {f"{folder}/" for path in paths for folder in PurePosixPath(path).parents}
