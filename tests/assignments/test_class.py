@@ -350,6 +350,21 @@ def test_names_with_other_spaces_or_quotes_share_no_row(hw3, tmp_path):
     assert len(rows) == len(set(rows)) == 5
 
 
+def test_a_full_disk_of_the_grader_costs_nobody_points(hw3, tmp_path, monkeypatch):
+    text = "def estimate_state(step):\n    raise OSError(28, 'No space left on device')\n"
+    (tmp_path / "estimate_state.py").write_text(text)
+
+    def statuses():
+        result = grade_submission(hw3, tmp_path / "estimate_state.py", tmp_path / "out")
+        return {(test.status, test.whose) for test in result.tests}
+
+    usage = shutil.disk_usage(tmp_path)
+    with monkeypatch.context() as patched:
+        patched.setattr(shutil, "disk_usage", lambda path: usage._replace(free=8192))
+        assert statuses() == {("error", "grader")}
+    assert statuses() == {("failed", "submission")}  # it is run again
+
+
 # --- groups, and students again
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pickle
+import shutil
 import socket
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -172,6 +174,9 @@ class Worker(Closing):
             told = ErrorText.from_json(body)
         except ValueError as error:
             self.refuse(slot, k, f"the worker has sent an error that is none: {error}")
+        room = shutil.disk_usage(tempfile.gettempdir()).free
+        if told.type == "OSError" and room < self._limits.folder_size:
+            raise GraderError(f"the grader's disk is full: {told.message}", slot=slot, step=k)
         if told.type == "MemoryError":
             more = f"it asked for more than {as_size(self._limits.memory)}"
             told = replace(told, message=f"{told.message}: {more}" if told.message else more)
