@@ -54,9 +54,9 @@ def in_thread(work):
         yield thread
     finally:
         thread.join(300)
+        if errors:  # it may be the cause of what was raised here
+            raise errors[0]
     assert not thread.is_alive()
-    if errors:
-        raise errors[0]
 
 
 @contextlib.contextmanager
