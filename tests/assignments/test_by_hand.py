@@ -119,6 +119,7 @@ def test_what_a_teacher_writes_lives_on_in_all_tables_and_pages(
     for text in texts:
         assert "6 of 8" in " ".join(text.split())
         assert "--only style" not in text  # there is nothing to repeat
+        assert "✎ by hand" in text or "✎ Style: by hand" in text
     page = (out / "class.html").read_text("utf-8")
     assert ">6</b>" in page
     assert "not run" not in (out / "s003/result.txt").read_text("utf-8")

@@ -38,8 +38,9 @@ STATUS = {
 
 def status(test: TestResult) -> tuple[str, str]:
     """Return the word for the status of a test, and its sign."""
-    is_open = test.by_hand and test.status == NOT_RUN
-    return ("not given yet", "-") if is_open else STATUS[test.status]
+    if test.by_hand:
+        return ("not given yet", "-") if test.status == NOT_RUN else ("by hand", "✎")
+    return STATUS[test.status]
 
 
 #: How Moodle names what it gives to download.
