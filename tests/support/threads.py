@@ -54,7 +54,7 @@ def in_thread(work):
         yield thread
     finally:
         thread.join(300)
-        if errors:  # it may be the cause of what was raised here
+        if errors:  # the cause of an error in the context, too
             raise errors[0]
     assert not thread.is_alive()
 
