@@ -119,7 +119,7 @@ def test_a_whole_board_is_found_in_the_dark():
 @pytest.mark.parametrize(
     ("board", "turn", "place"),
     [
-        (Chessboard(11, 8, 16), (0.24, 1.23, -2.12), (79, 97, 545)),
+        (Chessboard(11, 8, 16), (0.21, 1.26, -2.15), (98, 114, 536)),
         (Chessboard(7, 5, 25), (0.39, 0.98, 0.89), (-259, -174, 828)),
     ],
 )
