@@ -94,6 +94,9 @@ def test_similar_programs_are_a_hint_but_for_what_was_given(tmp_path):
     for nothing in ({"programs": {}}, {"programs": programs, "given": [programs["s001"]]}):
         assert "No two programs" in written(tmp_path, **nothing).text
     assert "Similar programs" not in written(tmp_path / "new").text
+    for broken in ("", "{}", "[" * 10**5, '{"groups": 1, "pairs": [2]}'):
+        (tmp_path / "similar.json").write_text(broken)
+        assert "Similar programs" not in written(tmp_path).text
 
 
 def test_paths_lie_on_one_floor_those_with_all_points_on_top(tmp_path):

@@ -209,7 +209,7 @@ def read_comparison(file: Path) -> Comparison | None:
             pair["passages"] = [[Passage(**one) for one in both] for both in pair["passages"]]
         pairs = [SimilarPair(**pair) for pair in data["pairs"]]
         return Comparison(**data | {"groups": groups, "pairs": pairs})
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return None
 
 
