@@ -67,9 +67,9 @@ class ToolMouse:
         self.tab.mouse.up()
 
     def choose_part(self, part):
-        """Choose what of a robot is drawn."""
+        """Choose what of a robot is drawn; the page has it from Python then."""
         self.tab.click(f".robsim-segments [value={part}]")
-        wait_for(lambda: self.tool._view._part == part)
+        self.tab.wait_for_selector(f".robsim-segments [value={part}][aria-checked=true]")
 
 
 class Mouse:
