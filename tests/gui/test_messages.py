@@ -31,6 +31,7 @@ GOOD = [
     {"type": "path", "id": "a", "points": [[0, 1], [2.5, 3]]},
     {"type": "look", "id": "a", "k": None},
     {"type": "look", "id": "a", "k": 3},
+    {"type": "magnify", "id": "a", "at": [1, 2.5], "half": 30, "glass": 0},
     {"type": "columns", "id": "a", "names": ["u"]},
     {"type": "animate", "id": "a", "on": True},
 ]
@@ -66,6 +67,7 @@ BAD = {
         *([[0, 0]] * 1001, [0] * 10**6, [[[0] * 10**6, 1]], [NESTED]),
     ],
     ("look", "k"): [k for k in WHOLE if k is not None],
+    ("magnify", "half"): WHOLE,
     ("columns", "names"): [None, "u", {}, ["u"] * 101, [None], [["u"]], ["u"] * 10**6],
     ("animate", "on"): [None, 0, "on"],
     ("bye", "id"): TEXTS,

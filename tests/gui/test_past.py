@@ -47,6 +47,30 @@ def test_a_past_step_is_drawn_again_with_its_overlays(noisy):
     assert is_alike(picture, noisy.render_step(k))
 
 
+def test_a_glass_gets_pixels_with_their_classes_of_the_frame_that_is_shown(noisy):
+    k = int(np.flatnonzero(noisy.trace.seen)[2])
+    with panel_of(noisy) as (_, browser):
+        browser.take("frame", k=19, past=False)
+        for step, said in ((19, None), (k, k)):
+            browser.say("look", k=said)
+            browser.take("frame", k=step)
+            frame = noisy.render_step(step)
+            blobs = noisy.find_blobs(frame)
+            at = blobs["blue"][0].centroid if blobs["blue"] else (600, 600)
+            browser.say("magnify", at=[*at], half=20, glass=0)
+            head, (pixels, classes) = browser.take("detail")
+            left, top, width, height = head["box"]
+            part = np.s_[top : top + height, left : left + width]
+            assert np.frombuffer(pixels, np.uint8).tolist() == frame.image[part].ravel().tolist()
+            masks = robsim.vision.classify(frame, noisy.colors, markers=noisy.markers)
+            numbers = np.frombuffer(classes, np.uint8).reshape(height, width)
+            inside = np.s_[5:-5, 5:-5]  # the edge of the part has fewer neighbours
+            for number, color in enumerate(noisy.colors, start=1):
+                mask = masks[color.name][part]
+                assert np.array_equal(numbers[inside] == number, mask[inside])
+            assert numbers.any() == bool(blobs["blue"])
+
+
 def test_a_robot_that_was_not_seen_is_told_from_a_measure_that_fails(noisy):
     simulation = robsim.Simulation(measure=lambda step: None, seed=1)
     simulation.run(2)

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from PIL import Image
 
-from robsim._core import Blob, PlaneMap
+from robsim._core import Blob, Frame, PlaneMap
 from robsim.vision.imaging import images
 
 Buffers = Sequence[bytes]
@@ -40,6 +40,7 @@ class Link(ABC):
         self.n_resets = 0  # of the record, when the last ones were sent
         self.width = 600  # of the picture on the screen (px)
         self.shown: object = None  # what was sent as the newest frame
+        self.frame: Frame | None = None  # the shown one, also of a past step
         self.looking: int | None = None  # the past step that it shows; None = the newest
         self._grants: dict[str, int] = {}  # view -> the last frame that it has room for
         self._heard: dict[str, float] = {}
@@ -229,6 +230,7 @@ def one_buffer(most: int) -> Check:
 
 
 #: What every panel takes.
+MAGNIFY = {"at": point, "half": whole, "glass": whole}
 COMMON: Messages = {
     "hello": {"width": whole},
     "size": {"width": whole},
@@ -262,6 +264,7 @@ def _checked(kind: str, name: str, check: Check, message: dict[str, Any]) -> Any
 
 _GAP = 1 / 30  # s between two frames
 _QUALITY = 80  # of the JPEG; 25 kB for 600 x 600
+_MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
 _MOST_BYTES = 140_000  # of a picture that stays in a notebook
 _COLORS = (128, 64, 32, 16)  # of few a photograph of a noisy floor takes a fifth
 
@@ -298,6 +301,16 @@ def numbers(values: Any) -> list[float] | None:
     """Return an array as a list for JSON; None if one of them is not finite."""
     array = np.asarray(values, float).ravel()
     return array.tolist() if np.isfinite(array).all() else None
+
+
+def magnified(image: images.Pixels, message: Mapping[str, Any]) -> tuple[list[int], images.Pixels]:
+    """Return the box [left, top, width, height] of a message `magnify`, and its pixels."""
+    height, width = image.shape[:2]
+    u, v = (round(min(max(one, -1e6), 1e6)) for one in message["at"])
+    half = min(message["half"], _MOST_HALF)
+    left, right = (min(max(u + side, 0), width) for side in (-half, half + 1))
+    top, bottom = (min(max(v + side, 0), height) for side in (-half, half + 1))
+    return [left, top, right - left, bottom - top], image[top:bottom, left:right]
 
 
 def boxes_of(blobs: Mapping[str, Sequence[Blob]]) -> list[list[Any]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from robsim._core import Step
 from robsim.gui._link import (
     COMMON,
+    MAGNIFY,
     Link,
     Messages,
     buffers_of_message,
@@ -75,6 +76,7 @@ MESSAGES: Messages = {
     "go_to": {"x": number, "y": number},
     "path": {"points": list_of(point, _MOST_POINTS)},
     "look": {"k": maybe(whole)},
+    "magnify": MAGNIFY,
     "columns": {"names": list_of(text, _MOST_NAMES)},
     "inspect": {"k": maybe(whole), "path": list_of(text, _MOST_NAMES)},
     "source": {"slot": text},

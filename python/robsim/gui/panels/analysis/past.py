@@ -120,6 +120,7 @@ class Past(Part):
 
     def _answer(self, link: Link, k: int, frame: Frame | None, reason: str | None) -> None:
         kept = self._kept.get(k) if frame is None else None
+        link.frame = frame
         if kept is not None:
             head, picture = kept
         else:

@@ -8,10 +8,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from robsim._core import Blob, Frame, PlaneMap, Step, detect, reduced
+import numpy as np
+
+from robsim._core import Blob, Frame, PlaneMap, Step, classify, detect, reduced
 from robsim.base.checks import Floats
-from robsim.gui._link import SLOW, FrameClock, Link, boxes_of, jpeg, lens_of, numbers
-from robsim.gui.panels.part import Part
+from robsim.gui._link import (
+    SLOW,
+    FrameClock,
+    Link,
+    boxes_of,
+    jpeg,
+    lens_of,
+    magnified,
+    numbers,
+)
+from robsim.gui.panels.part import Handlers, Part
 
 if TYPE_CHECKING:
     from robsim.gui.panels.record import Record
@@ -132,8 +143,15 @@ class CameraView(Part):
         record = self.panel.record
         return {
             "area": record.area,
-            "robot": {"name": record.robot_name, "outline": record.outline.tolist()},
+            "robot": {
+                "name": record.robot_name,
+                "outline": record.outline.tolist(),
+                "markers": [one.tolist() for one in (record.markers.polygons or {}).values()],
+            },
         }
+
+    def handlers(self) -> Handlers:
+        return {"magnify": self._magnify}
 
     def take(self, step: Step) -> None:
         is_running, is_watched = self.panel.is_running, self.panel.is_watched
@@ -172,6 +190,20 @@ class CameraView(Part):
     def encode(self, shot: Shot, width: int) -> bytes:
         return picture_of(shot.frame, width)
 
+    def _magnify(self, link: Link, message: dict[str, Any]) -> None:
+        """Send the pixels around a point, and the class of each: 0 none, 1 the first one."""
+        if link.frame is None:
+            return
+        record = self.panel.record
+        box, part = magnified(link.frame.image, message)
+        classes = np.zeros(part.shape[:2], np.uint8)
+        if part.size and record.colors:
+            masks = classify(part, record.colors, markers=record.markers)
+            for number, color in enumerate(record.colors, start=1):
+                classes[masks[color.name]] = number
+        head = {"type": "detail", "glass": message["glass"], "box": box}
+        link.send(head, [part.tobytes(), classes.tobytes()])
+
     def _show(self) -> None:
         self._is_told = False  # before it is looked at: what is taken after that is told again
         self._newest = self._taken
@@ -184,7 +216,7 @@ class CameraView(Part):
             if link.width not in pictures:
                 pictures[link.width] = self.encode(shot, link.width)
             entries, blocks = self.panel.rows.new(link) if brings_rows else ([], [])
-            link.shown = shot
+            link.shown, link.frame = shot, shot.frame
             link.send_frame({**head, "rows": entries}, [pictures[link.width], *blocks], now)
         self.panel.past.keep(shot, pictures)
         if brings_rows:

@@ -109,10 +109,10 @@ function makeDetail(context, { glass, half, imageOf, changed }) {
   return Object.assign(detail, { want, again });
 }
 
-/** The image of pixels that come as red, green, blue; null where there are none. */
+/** The image of pixels that come as red, green, blue; null without pixels. */
 const plainImage = (box, [colors]) => imageFrom(box, (i) => colors.subarray(3 * i, 3 * i + 3));
 
-/** Return a canvas with the colours of the pixels of a box; null where there are none. */
+/** Return a canvas with the colours of the pixels of a box; null without pixels. */
 export function imageFrom([, , width, height], colorOf) {
   if (!width || !height) return null;
   const pixels = new ImageData(width, height);

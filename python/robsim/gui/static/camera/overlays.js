@@ -25,6 +25,7 @@ export const makeOverlays = () => [
   { name: "outline", shown: true, color: "measured", draw: drawOutline },
   { name: "heading_line", shown: true, color: "measured", draw: drawHeading },
   { name: "truth", shown: false, color: "true", is: hasTruth, draw: drawTruth },
+  { name: "glass", shown: false, draw: () => {} }, // it lies beside the robot
 ];
 
 const pathColumns = () => ["pose_measured"];

@@ -4,6 +4,7 @@ import { isShown, makeOverlays } from "../camera/overlays.js";
 import { makePicture } from "../camera/picture.js";
 import { areaOf, areaToPixel } from "../camera/projection.js";
 import { makeReadout } from "../camera/readout.js";
+import { makeRobotGlass } from "../camera/robot_glass.js";
 import { makeShowMenu } from "../camera/show_menu.js";
 import { makeTools } from "../camera/tools.js";
 
@@ -18,9 +19,12 @@ export function makeCamera(context) {
     hovered = pixel;
     picture.later();
   };
+  const glass = makeRobotGlass(context);
+  const isMagnified = () => isShown(context, overlays.find(({ name }) => name == "glass"));
   const draw = (scene) => {
     const at = areaOf(context, hovered);
     drawCamera(scene, { overlays, tools, at });
+    glass.show(isMagnified() && scene, hovered);
     readout.show(tools.cross() ?? at);
   };
   hands.push({ hover, draw, key: tools.key }, tools.hand);
@@ -29,7 +33,7 @@ export function makeCamera(context) {
   context.on("setup local", subscribe);
 
   const bar = [picture.whole, ...tools.buttons, makeShowMenu(context, overlays)];
-  const element = make("div.robsim-camera", picture.canvas, makeBadges(context),
+  const element = make("div.robsim-camera", picture.canvas, makeBadges(context), glass.element,
     make("div.robsim-camera-bar", ...bar),
     make("div.robsim-camera-foot", readout.element, tools.hint));
   return { element, width: picture.width };
@@ -39,6 +43,7 @@ function drawCamera(scene, { overlays, tools, at }) {
   const { context } = scene;
   const colors = context.setup.colors ?? [];
   const toPixel = areaToPixel(scene.frame);
+  scene.pixelOf = toPixel;
   scene.place = (point) => scene.pixel(toPixel(point));
   scene.classColors = new Map(colors.map(({ name, css }) => [name, css]));
   for (const overlay of overlays) if (isShown(context, overlay)) overlay.draw(scene);

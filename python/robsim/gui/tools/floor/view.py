@@ -14,7 +14,18 @@ from robsim._core import PlaneMap
 from robsim.base.checks import check_float
 from robsim.base.files import as_path
 from robsim.base.text import one_line
-from robsim.gui._link import Link, Messages, maybe, number, point, switch, text, whole
+from robsim.gui._link import (
+    MAGNIFY,
+    Link,
+    Messages,
+    magnified,
+    maybe,
+    number,
+    point,
+    switch,
+    text,
+    whole,
+)
 from robsim.gui.tools.floor.corners import FloorSheets, snapped
 from robsim.gui.tools.floor.fitting import fit_of, fitted, grid_of, on_work_area, replaced
 from robsim.gui.tools.floor.floor_sheet import floor_still
@@ -30,7 +41,7 @@ from robsim.vision.imaging.calibration_file import load_calibration, save_calibr
 
 MESSAGES: Messages = {
     **TOOL_MESSAGES,
-    "magnify": {"at": point, "half": whole, "glass": whole},
+    "magnify": MAGNIFY,
     "add": {"at": point, "reach": number},
     "choose": {"point": maybe(whole)},
     "move": {"point": whole, "at": point, "goes_on": switch},
@@ -58,7 +69,6 @@ MESSAGES: Messages = {
 
 #: What is shown, and what a floor is fitted by: while it is a lens, by the points.
 WAYS = ("points", "sheets", "lens")
-_MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
 _FILL_REACH = 8.0  # px, of where a corner of a grid is expected
 Pixel = tuple[float, float]
 
@@ -447,14 +457,7 @@ class FloorView(ToolView):
         """Send the pixels around a point, as they are."""
         if self.picture is None:
             return
-        image = self.picture.frame.image
-        height, width = image.shape[:2]
-        u, v = (round(min(max(one, -1e6), 1e6)) for one in message["at"])
-        half = min(message["half"], _MOST_HALF)
-        left, right = (min(max(u + side, 0), width) for side in (-half, half + 1))
-        top, bottom = (min(max(v + side, 0), height) for side in (-half, half + 1))
-        part = image[top:bottom, left:right]
-        box = [left, top, right - left, bottom - top]
+        box, part = magnified(self.picture.frame.image, message)
         link.send({"type": "detail", "glass": message["glass"], "box": box}, [part.tobytes()])
 
     def _snapped(self, at: tuple[float, float], reach: float) -> tuple[float, float] | None:
