@@ -14,7 +14,7 @@ QUICK = {"false_fail": 0.5, "confidence": 0.5, "progress": False}
 def _few(monkeypatch):
     """As few tests as show that it works."""
     monkeypatch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 3)
-    for name in ("WRONG_TESTS", "FIRST_TESTS", "MORE_TESTS"):
+    for name in ("RIGHT_TESTS", "WRONG_TESTS", "FIRST_TESTS", "MORE_TESTS"):
         monkeypatch.setattr(f"robsim.teach.tasks.marks.calibrate.{name}", 2)
 
 

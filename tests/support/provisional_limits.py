@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,17 +21,18 @@ from robsim.teach.tasks.marks.limits import (
     bound_rank,
     fewest_values,
     limits_from,
-    normal_bound,
 )
-from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
+from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of, with_drawn
 from robsim.teach.tasks.solutions import REFERENCE
 
 FALSE_FAIL, CONFIDENCE = 0.01, 0.95
 SUBMISSIONS = 200
 
 
-def played(task: Task, seed: int, jobs: int | None, keep: Path | None) -> dict[bool, list[Sets]]:
-    """Return the tests of the right, and of the wrong solutions, as calibrations have them."""
+def played(
+    task: Task, seed: int, jobs: int | None, keep: Path | None
+) -> dict[bool, dict[str, Runs]]:
+    """Return the runs of the right, and of the wrong solutions, as calibrations have them."""
     tests = {True: calibrate.PILOT_TESTS + fewest_values(FALSE_FAIL, CONFIDENCE)}
     tests[False] = calibrate.WRONG_TESTS
     runs: dict[bool, dict[str, Runs]] = {}
@@ -42,23 +42,31 @@ def played(task: Task, seed: int, jobs: int | None, keep: Path | None) -> dict[b
         runs[is_right] = runs_of(
             task, some, tests[is_right], seed=seed, executor=jobs, store=file, progress=True
         )
-    reference = runs[True][REFERENCE]
-    return {kind: [sets_of(task, one, reference) for one in runs[kind].values()] for kind in runs}
+    return runs
 
 
-def compared(task: Task, sets: dict[bool, list[Sets]], seed: int) -> Floats:
+def compared(task: Task, runs: dict[bool, dict[str, Runs]], seed: int) -> Floats:
     """Return the points of submissions, (N, 2), by exact and by provisional limits, of 100."""
-    right, wrong = sets[True], sets[False]
+    reference = runs[True][REFERENCE]
+    right, wrong = (
+        [sets_of(task, one, reference) for one in runs[kind].values()] for kind in (True, False)
+    )
+    first = reference.first(calibrate.RIGHT_TESTS * task.runs)
+    drawn = [
+        with_drawn(task, one.first(len(first.failed)), first, calibrate.DRAWN, seed)
+        for one in runs[True].values()
+    ]
+    above = calibrate.DRAWN * np.log(2) / fewest_values(FALSE_FAIL, CONFIDENCE)
+    of_drawn = calibrate.RIGHT_TESTS, round(above)
     rank = bound_rank(fewest_values(FALSE_FAIL, CONFIDENCE), FALSE_FAIL, CONFIDENCE)
-    normal = partial(normal_bound, exceeded=FALSE_FAIL, confidence=CONFIDENCE)
     exact = limits_from(task, right, wrong, calibrate.PILOT_TESTS, rank)
     few = [one[: calibrate.FIRST_TESTS] for one in wrong]
-    quick = limits_from(task, right, few, calibrate.PILOT_TESTS, normal)
+    quick = limits_from(task, drawn, few, *of_drawn)
     more = [
         one[: calibrate.MORE_TESTS] if calibrate.is_needed(task, those, quick) else those
         for one, those in zip(wrong, few, strict=True)
     ]
-    quick = limits_from(task, right, more, calibrate.PILOT_TESTS, normal)
+    quick = limits_from(task, drawn, more, *of_drawn)
     tests = submissions(right, wrong, seed)
     return 100 * np.stack([tests.points(task.scores, one) for one in (exact, quick)], axis=1)
 

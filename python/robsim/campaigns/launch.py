@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from operator import itemgetter
@@ -158,8 +158,9 @@ def run_spec(
     store: str | PathLike[str] | None,
     progress: bool,
     on_error: str = "record",
+    known: Sequence[Row] = (),
 ) -> CampaignResult:
-    """Run what a specification says; the other arguments are those of `campaign`."""
+    """Do the runs of a specification, but for `known` rows; other arguments: see `campaign`."""
     engine = engine_value(executor)
     end_copy()
     check_bool("progress", progress)
@@ -168,6 +169,7 @@ def run_spec(
     if file is None and spec.keep == "traces":
         raise ValueError("keep='traces' must have a file to keep them in: give store, too")
     with closing(Store(file, spec)) as rows:
+        rows.add(known)
         _run(rows.spec, engine, rows, shows=progress, stops=on_error == "raise")
         return result_of(rows.spec, rows.read(), file)
 

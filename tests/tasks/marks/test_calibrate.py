@@ -29,6 +29,7 @@ def few_tests():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 10)
         patch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 12)
+        patch.setattr("robsim.teach.tasks.marks.calibrate.RIGHT_TESTS", 8)
         patch.setattr("robsim.teach.tasks.marks.calibrate.FIRST_TESTS", 4)
         patch.setattr("robsim.teach.tasks.marks.calibrate.MORE_TESTS", 6)
         yield
@@ -92,7 +93,7 @@ def test_provisional_limits_come_from_few_tests_which_the_exact_ones_go_on_from(
     calibration, keep, tmp_path
 ):
     few = calibrated(tmp_path, provisional=True)
-    assert (few.provisional, few.rank, few.tests) == ("normal bound", 0, 10)
+    assert (few.provisional, few.rank, few.tests) == ("few tests", 0, 8)
     assert few.why_provisional in few.remarks
     assert calibration.why_provisional == ""
     marks = {one.name: one for one in few.solutions}

@@ -12,7 +12,6 @@ from robsim.teach.tasks.marks.limits import (
     bound_rank,
     fewest_values,
     limits_from,
-    normal_bound,
     share_interval,
 )
 from sizes import thorough
@@ -49,24 +48,6 @@ def test_the_interval_of_a_share_is_the_exact_one():
     for count, n in ((0, 60), (1, 60), (57, 60), (60, 60), (9, 1000)):
         expected = binomtest(count, n).proportion_ci(0.95, method="exact")
         assert share_interval(count, n) == pytest.approx((expected.low, expected.high))
-
-
-@pytest.mark.parametrize(("n", "factor"), [(10, 3.981), (30, 3.064), (60, 2.807)])
-def test_the_normal_bound_of_a_score_is_that_of_the_tables(n, factor, rng):
-    values = rng.normal(3, 2, size=(1, n, 1))
-    expected = values.mean() + factor * values.std(ddof=1)
-    assert normal_bound(values, 0.01, 0.95) == pytest.approx(expected, abs=2e-3)
-    never = np.concatenate([values, np.zeros((1, n, 1))])  # the reference on its own runs
-    assert normal_bound(never, 0.01, 0.95) == pytest.approx(expected, abs=2e-3)
-
-
-def test_the_normal_bound_of_several_scores_is_exceeded_as_rarely_as_promised(rng):
-    mix = np.array([[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.5, 0.9]])
-    fresh = (rng.normal(size=(40_000, 3)) @ mix.T).max(axis=1)
-    bounds = [normal_bound(rng.normal(size=(1, 30, 3)) @ mix.T, 0.05, 0.9) for _ in range(400)]
-    too_often = sum(np.mean(fresh > one) > 0.05 for one in bounds)
-    assert binomtest(too_often, 400, 0.1, alternative="greater").pvalue > 1e-4
-    assert too_often > 4  # and not for being far too large
 
 
 # --- limits
@@ -174,6 +155,26 @@ def test_the_statistic_of_a_test_is_that_of_runs_that_came_through():
     assert found.through.tolist() == [1, 0.5, 0]
     assert found.statistics[:2] == pytest.approx(np.array([[2, 2, 3], [8, 8, 2]]))
     assert np.isnan(found.statistics[2]).all()
+
+
+def test_drawn_tests_follow_the_own_ones_and_have_their_distribution(rng):
+    task = MeasureTask(runs=4)
+    values = np.exp(rng.normal(size=(2400, 3)) * [0.1, 0.2, 0.05] + [0.0, 0.0, 1.0])
+    own, reference = (sets.Runs(numbers, np.zeros(2400, bool)) for numbers in (values, values + 1))
+    tests = sets.with_drawn(task, own, reference, 5000, seed=3)
+    known = sets.sets_of(task, own, reference).statistics
+    assert (tests.statistics[:600] == known).all()
+    assert tests.through.tolist() == [1] * 5600
+    drawn, again = (
+        sets.with_drawn(task, own, reference, 5000, seed=seed).statistics[600:] for seed in (3, 4)
+    )
+    assert (tests.statistics[600:] == drawn).all()
+    assert (drawn != again).any()
+    for share in (0.1, 0.5, 0.9):
+        expected = np.log(np.quantile(known, share, axis=0))
+        np.testing.assert_allclose(
+            np.log(np.quantile(drawn, share, axis=0)), expected, atol=0.2 * np.log(known).std()
+        )
 
 
 # --- shipped limits

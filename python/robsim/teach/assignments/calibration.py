@@ -67,29 +67,29 @@ def calibrate_assignment(
     check_bool("progress", progress)
     kept = assignment.folder / _KEPT
     check_callable("on_begin", on_begin)
-    given = {"false_fail": false_fail, "confidence": confidence, "provisional": provisional}
-    options: dict[str, Any] = given
-    if on_begin is not None:
-        processes = executor if isinstance(executor, int) else 1
-        tasks = [test.task for test, _ in _by_task(assignment)]
-        of_each = (
-            calibration_seconds(task, _usable(assignment, task), processes, **options)
-            for task in tasks
-        )
-        on_begin(sum(of_each), kept.is_dir())
-    found: dict[str, TaskCalibration] = {}
-    for test, names in _by_task(assignment):
+    options: list[dict[str, Any]] = []
+    for test, _ in _by_task(assignment):
         solutions = _usable(assignment, test.task)
-        digest = f"{task_digest(test.task)}-{solutions_digest(solutions)}"
-        made = calibrate_task(
-            test.task,
-            solutions,
-            **options,
-            seed=key_for(assignment, public=False).world_seed("", f"calibration {test.name}", 0),
-            executor=executor,
-            store=kept / digest,
-            progress=progress,
+        options.append(
+            {
+                "task": test.task,
+                "solutions": solutions,
+                "false_fail": false_fail,
+                "confidence": confidence,
+                "provisional": provisional,
+                "seed": key_for(assignment, public=False).world_seed(
+                    "", f"calibration {test.name}", 0
+                ),
+                "store": kept / f"{task_digest(test.task)}-{solutions_digest(solutions)}",
+            }
         )
+    if on_begin is not None:
+        goes_on = kept.is_dir()
+        processes = executor if isinstance(executor, int) else 1
+        on_begin(sum(calibration_seconds(processes=processes, **one) for one in options), goes_on)
+    found: dict[str, TaskCalibration] = {}
+    for one, (_, names) in zip(options, _by_task(assignment), strict=True):
+        made = calibrate_task(**one, executor=executor, progress=progress)
         found |= dict.fromkeys(names, made)
     limits_file.write_limits(
         assignment.folder, {test.name: found[test.name] for test in assignment.tests}

@@ -102,12 +102,19 @@ class Score:
             raise ValueError(
                 f"values and reference must be of the same runs, got {len(own)} and {len(others)}"
             )
+        return float(self._of_tests(own, others))
+
+    def _of_tests(self, own: Floats, others: Floats) -> Floats:
+        """Return the statistics of tests, (..., M) -> (...)."""
+        own, others = self._clipped(own), self._clipped(others)
         if self.kind == "lost":
             # statistic = sum(100 - reference) / sum(100 - value)
-            return float(np.sum(_ALL - others) / np.sum(_ALL - own))
+            ratio: Floats = np.sum(_ALL - others, axis=-1) / np.sum(_ALL - own, axis=-1)
+            return ratio
         # statistic = exp(mean over runs of log(value / reference))
         logs = np.log(own) - (np.log(others) if self.kind == "ratio" else 0.0)
-        return math.exp(float(np.mean(logs)))
+        statistic: Floats = np.exp(np.mean(logs, axis=-1))
+        return statistic
 
     def _known(self, argument: str, values: Sequence[float]) -> Floats:
         numbers = as_float_array(argument, values)
@@ -115,6 +122,9 @@ class Score:
             raise ValueError(
                 f"{argument} must be the numbers of one or more runs, got shape {numbers.shape}"
             )
+        return numbers
+
+    def _clipped(self, numbers: Floats) -> Floats:
         known = np.where(np.isnan(numbers), self.worst, numbers)
         clipped: Floats = np.clip(known, self.floor, self.worst)
         return clipped

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from robsim.base.checks import Floats, check_bool, check_float, check_int, check_kinds
+from robsim.base.checks import check_bool, check_float, check_int, check_kinds
 from robsim.base.files import as_path
 from robsim.base.files.codec import plain
 from robsim.base.text import listed, quoted
@@ -21,23 +21,25 @@ from robsim.campaigns.engines.executors import DaskClient
 from robsim.campaigns.spec import surroundings
 from robsim.teach.tasks.definition import Task, check_task
 from robsim.teach.tasks.marks.calibration import (
-    NORMAL,
+    FEW_TESTS,
     SolutionMarks,
     TaskCalibration,
     solutions_digest,
     task_digest,
 )
-from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from, normal_bound
-from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of
+from robsim.teach.tasks.marks.limits import bound_rank, fewest_values, limits_from
+from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of, with_drawn
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
 #: Tests from which the shape of the limits comes, and tests of each wrong solution.
 PILOT_TESTS, WRONG_TESTS = 60, 60
-#: Provisional limits: tests of each wrong solution, and of those that pass one of these, or set
-#: where points end. One that passes in a share p of the tests is given up with the probability
-#: (1 - p)^6: 26 % for p = 20 %.
-FIRST_TESTS, MORE_TESTS = 6, 40
+#: Provisional limits: tests of each right solution, of each wrong one, and of those that pass one
+#: of these, or set where points end. One that passes in a share p of the tests is given up with the
+#: probability (1 - p)^6: 26 % for p = 20 %.
+RIGHT_TESTS, FIRST_TESTS, MORE_TESTS = 40, 6, 40
+#: Tests that are drawn from the runs for provisional limits.
+DRAWN = 30_000
 _ALL = 1 - 1e-9
 
 
@@ -72,8 +74,8 @@ def calibrate_task(
         Number of tests of each right solution; more make narrower limits. Default: the fewest
         that it takes: 299 for 1 %.
     provisional : bool
-        Make limits from 60 tests of right solutions and a few of wrong ones, as if scores were
-        normal: see `normal_bound`. They take a tenth to a quarter of the time.
+        Estimate limits from 40 tests of right solutions and a few of wrong ones. They take a tenth
+        to a quarter of the time.
     seed : int
         What all seeds of the runs come from: no student should know it.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
@@ -98,7 +100,8 @@ def calibrate_task(
     -----
     A test is M runs, as many as the task has. See `limits_from` for how limits come from tests.
     They are tolerance bounds, which hold whatever the distribution of the scores is: `bound_rank`.
-    Provisional ones hold for normal logarithms of scores alone.
+    Provisional ones are an estimate of these: tests are drawn with replacement from the few runs.
+    It knows nothing of events that are rarer than these runs.
     """
     chosen = _chosen(task, solutions)
     count, rank = _count_and_rank(false_fail, confidence, tests)
@@ -107,22 +110,23 @@ def calibrate_task(
     check_bool("progress", progress)
     engine_value(executor)
     folder = None if store is None else as_path(store, "store")
-
-    if folder is not None:
-        folder.mkdir(parents=True, exist_ok=True)
+    known: dict[str, Runs] = {}
 
     def play(some: Sequence[Solution], tests: int, name: str) -> dict[str, Runs]:
-        file = None if folder is None else folder / f"{name}.sqlite"
         how: dict[str, Any] = {"seed": seed, "executor": executor, "progress": progress}
-        return runs_of(task, some, tests, store=file, **how)
+        found = runs_of(task, some, tests, store=_file(folder, name), known=known, **how)
+        known.update(found)
+        return found
 
     if provisional:
-        count, rank, begin = PILOT_TESTS, 0, 0
-        normal = partial(normal_bound, exceeded=false_fail, confidence=confidence)
-        sets, limits = _tested(task, chosen, play, PILOT_TESTS, normal)
+        # median of the largest of n: P(none of n is above the quantile 1 - p) = 1/2, p = log 2 / n
+        above = DRAWN * math.log(2) / fewest_values(false_fail, confidence)
+        drawn = partial(with_drawn, count=DRAWN, seed=seed)
+        sets, limits = _tested(task, chosen, play, RIGHT_TESTS, max(round(above), 1), drawn)
+        count, rank, begin, place = RIGHT_TESTS, 0, 0, slice(RIGHT_TESTS)
     else:
-        begin = PILOT_TESTS
-        sets, limits = _tested(task, chosen, play, PILOT_TESTS + count, rank)
+        begin, place = PILOT_TESTS, slice(PILOT_TESTS, None)
+        sets, limits = _tested(task, chosen, play, begin + count, rank)
     return TaskCalibration(
         task=task.name,
         parameters={name: plain(value) for name, value in task.parameters.items()},
@@ -137,10 +141,10 @@ def calibrate_task(
         solutions_digest=solutions_digest(chosen),
         versions=surroundings(),
         solutions=tuple(
-            marks_of(task, one, sets[one.name][begin if one.is_right else 0 :], limits)
+            marks_of(task, one, sets[one.name][place if one.is_right else slice(None)], limits)
             for one in chosen
         ),
-        provisional=NORMAL if provisional else "",
+        provisional=FEW_TESTS if provisional else "",
     )
 
 
@@ -149,9 +153,10 @@ def _tested(
     chosen: Sequence[Solution],
     play: Callable[[Sequence[Solution], int, str], dict[str, Runs]],
     tests: int,
-    bound: int | Callable[[Floats], float],
+    rank: int,
+    drawn: Callable[[Task, Runs, Runs], Sets] | None = None,
 ) -> tuple[dict[str, Sets], dict[str, ScoreLimit]]:
-    """Return the tests of each solution, and the limits; see `limits_from` for `bound`."""
+    """Return the tests of each solution, and the limits: provisional ones, if tests are `drawn`."""
     right = play([one for one in chosen if one.is_right], tests, "right")
     for name, runs in right.items():
         if runs.failed.any():
@@ -159,16 +164,17 @@ def _tested(
                 f"the right solution {quoted(name)} must not fail, but so it did: "
                 f"{runs.first_error}"
             )
-    sets = {name: sets_of(task, runs, right[REFERENCE]) for name, runs in right.items()}
+    of_right, pilot = (sets_of, PILOT_TESTS) if drawn is None else (drawn, tests)
+    sets = {name: of_right(task, runs, right[REFERENCE]) for name, runs in right.items()}
     wrong = [one for one in chosen if not one.is_right]
 
     def limits_after(some: Sequence[Solution], tests: int, name: str) -> dict[str, ScoreLimit]:
         for one, runs in play(some, tests, name).items():
             sets[one] = sets_of(task, runs, right[REFERENCE])
         those = ([sets[one] for one in right], [sets[one.name] for one in wrong])
-        return limits_from(task, *those, PILOT_TESTS, bound)
+        return limits_from(task, *those, pilot, rank)
 
-    if isinstance(bound, int):
+    if drawn is None:
         return sets, limits_after(wrong, WRONG_TESTS, "wrong")
     limits = limits_after(wrong, FIRST_TESTS, "wrong")
     more = [one for one in wrong if is_needed(task, sets[one.name], limits)]
@@ -249,16 +255,24 @@ def calibration_seconds(
     false_fail: float,
     confidence: float,
     provisional: bool,
+    seed: int,
+    store: Path | None = None,
 ) -> float:
-    """Return the estimated duration of `calibrate_task` (s), from two runs of each solution."""
+    """Return the estimated duration of `calibrate_task` (s), from its first test, which is kept."""
     chosen = _chosen(task, solutions)
     count, _ = _count_and_rank(false_fail, confidence, None)
     check_int("processes", processes, minimum=1, maximum=10**4)
-    short = replace(task, runs=2)
-    right_tests, wrong_tests = (0, FIRST_TESTS) if provisional else (count, WRONG_TESTS)
-    seconds = 0.0
-    for is_right, tests_of_each in ((True, PILOT_TESTS + right_tests), (False, wrong_tests)):
-        begin = time.perf_counter()
-        runs_of(short, [one for one in chosen if one.is_right == is_right], 1, seed=0)
-        seconds += (time.perf_counter() - begin) * tests_of_each * task.runs / short.runs
-    return seconds / processes
+    right = [one for one in chosen if one.is_right]
+    first = runs_of(task, right, 1, seed=seed, store=_file(store, "right"))
+    of_right, of_wrong = (
+        (RIGHT_TESTS, FIRST_TESTS) if provisional else (PILOT_TESTS + count, WRONG_TESTS)
+    )
+    tests = of_right * len(right) + of_wrong * (len(chosen) - len(right))
+    seconds = float(np.mean([runs.seconds for runs in first.values()]))
+    return seconds * tests * task.runs / processes
+
+
+def _file(folder: Path | None, name: str) -> Path | None:
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder and folder / f"{name}.sqlite"

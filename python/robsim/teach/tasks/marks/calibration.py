@@ -25,10 +25,10 @@ POWER, MOST_OF_WRONG = 0.95, 0.5
 
 
 #: The source of provisional limits.
-SHIPPED_TASK, NORMAL = "shipped task", "normal bound"
+SHIPPED_TASK, FEW_TESTS = "shipped task", "few tests"
 _PROVISIONAL = {
     SHIPPED_TASK: "they belong to the task that ships with robsim, whose numbers differ",
-    NORMAL: "they are estimated from few tests",
+    FEW_TESTS: "they are estimated from few tests",
 }
 
 
@@ -91,8 +91,8 @@ class TaskCalibration(Report):
     pilot_tests : int
         Those before, from which their shape comes: how one score's limit is to another's.
     rank : int
-        The limits are as large as that many of `tests` reach: 1 = the largest; 0 = they come from
-        a normal distribution.
+        The limits are as large as that many of `tests` reach: 1 = the largest; 0 = they are
+        estimated from few tests.
     seed : int
         The seed of all runs.
     task_digest, solutions_digest : str
@@ -103,8 +103,8 @@ class TaskCalibration(Report):
         What each solution comes to by these limits, in the same tests: the right ones in those that
         the limits come from.
     provisional : str
-        The source of provisional limits: ``"shipped task"`` or ``"normal bound"``; "" = the limits
-        are exact.
+        The source of provisional limits: ``"shipped task"`` or ``"few tests"``; "" = the limits are
+        exact.
     """
 
     task: str

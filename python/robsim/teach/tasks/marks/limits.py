@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def limits_from(
     right: Sequence[Sets],
     wrong: Sequence[Sets],
     pilot: int,
-    bound: int | Callable[[Floats], float],
+    rank: int,
 ) -> dict[str, ScoreLimit]:
     """Return the limits of a task's scores from the tests of right and of wrong solutions.
 
@@ -40,8 +40,7 @@ def limits_from(
     In the others a test is as far off as its worst score, e = max(log s / d). The limits are exp(c
     d), with one c for all: the r-th largest e of the tests of a solution, for the solution for
     which that is largest. So the bound holds for all scores together, however they depend on each
-    other. No limit is below 1.01. `bound` is that rank, or a function that returns c from the tests
-    before alone: from log s / d, (solutions, tests, scores).
+    other. No limit is below 1.01.
 
     No points are given from the smallest median beyond the limit that a wrong solution has, and
     nowhere before 1.5 times the limit. Of a score of kind ``"lost"`` none are given where half as
@@ -54,12 +53,9 @@ def limits_from(
     # d = mean + 3 sd, of the right solution for which it is largest
     units = np.max(before.mean(axis=1) + 3 * before.std(axis=1), axis=0)
     units = units.clip(min=math.log(_LEAST_UNIT))
-    if callable(bound):
-        factor = bound(before / units)
-    else:
-        # e = max(tail / d);  c = the r-th largest e, of the solution for which it is largest
-        off = np.max(tails[:, pilot:] / units, axis=2)
-        factor = float(np.max(np.sort(off, axis=1)[:, -bound]))
+    # e = max(tail / d);  c = the r-th largest e, of the solution for which it is largest
+    off = np.max(tails[:, pilot:] / units, axis=2)
+    factor = float(np.max(np.sort(off, axis=1)[:, -rank]))
     bounds = iter((_ROUNDED * np.exp(np.maximum(factor * units, least))).tolist())
     medians = np.array(
         [np.nanmedian(one.statistics, axis=0) for one in wrong if one.through.any()]
@@ -119,25 +115,6 @@ def bound_rank(n: int, exceeded: float, confidence: float) -> int:
     while bdtrc(rank, n, exceeded) >= confidence:
         rank += 1
     return rank
-
-
-def normal_bound(values: Floats, exceeded: float, confidence: float) -> float:
-    """Return a bound that few other tests exceed in any score, if all scores are normal.
-
-    `values` are (solutions, tests, scores). A one-sided tolerance bound: of a single score mean + K
-    sd, and of several one whose probabilities to exceed it sum to that of K (Bonferroni). Source:
-    Johnson and Welch, Applications of the Non-Central t-Distribution, Biometrika 31, 1940.
-    """
-    from scipy.optimize import brentq
-    from scipy.special import nctdtrit, ndtr, ndtri
-
-    n = values.shape[1]
-    # K = t(confidence; n - 1, z sqrt(n)) / sqrt(n),  P(normal > z) = exceeded
-    factor = nctdtrit(n - 1, -ndtri(exceeded) * math.sqrt(n), confidence) / math.sqrt(n)
-    mean, sd = values.mean(axis=1), values.std(axis=1, ddof=1).clip(min=1e-12)
-    # sum(P(normal > (c - mean) / sd)) = P(normal > K)
-    ends = np.max(mean), np.max(mean + (factor + 5) * sd)
-    return float(brentq(lambda c: np.sum(ndtr((mean - c) / sd)) - ndtr(-factor), *ends))
 
 
 def share_interval(count: int, n: int, level: float = 0.95) -> tuple[float, float]:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robsim.base.checks import Floats
-from robsim.campaigns import CampaignResult, campaign
+from robsim.campaigns import CampaignResult, CampaignSpec
 from robsim.campaigns.engines.executors import DaskClient
+from robsim.campaigns.launch import run_spec
+from robsim.campaigns.runs import Row
 from robsim.teach.tasks.definition import Task, solution_folder
 from robsim.teach.tasks.score import Score, ScoreLimit, share_of_points
 from robsim.teach.tasks.solutions import Solution
@@ -29,9 +32,10 @@ class Runs:
     values: Floats  # (N, S): the numbers of each run, by the scores of its task
     failed: NDArray[np.bool_]  # (N,): which did not come through
     first_error: str = ""  # of the first failed run
+    seconds: float = 0.0  # of a run, on average
 
     def first(self, count: int) -> Runs:
-        return Runs(self.values[:count], self.failed[:count])
+        return replace(self, values=self.values[:count], failed=self.failed[:count])
 
 
 def runs_of(
@@ -43,23 +47,36 @@ def runs_of(
     executor: int | str | Executor | DaskClient | None = None,
     store: Path | None = None,
     progress: bool = False,
+    known: Mapping[str, Runs] = MappingProxyType({}),
 ) -> dict[str, Runs]:
     """Run solutions of a task, all in the same runs, and return the runs of each by its name.
 
-    Each test has as many runs as the task. The other arguments are those of `robsim.campaign`.
+    Each test has as many runs as the task. Known runs are not done again. Other arguments:
+    see `robsim.campaign`.
     """
-    result = campaign(
-        task.scenario,
+    spec = CampaignSpec(
+        scenario=task.scenario,
         vary={"folder": {one.name: solution_folder(task, one) for one in solutions}},
         metrics={METRIC: task.score},
         runs=tests * task.runs,
         steps=task.steps,
         seed=seed,
-        executor=executor,
-        store=store,
-        progress=progress,
     )
+    rows = [
+        row
+        for case, one in enumerate(solutions)
+        if one.name in known
+        for row in _rows_of(task, case, known[one.name])
+    ]
+    result = run_spec(spec, executor=executor, store=store, progress=progress, known=rows)
     return {one.name: _runs_in(result, task, one.name) for one in solutions}
+
+
+def _rows_of(task: Task, case: int, runs: Runs) -> Iterator[Row]:
+    names = [f"{METRIC}_{score.name}" for score in task.scores]
+    for run, values in enumerate(runs.values.tolist()):
+        error = runs.first_error if runs.failed[run] else None
+        yield Row(case, run, error, None, runs.seconds, dict(zip(names, values, strict=True)))
 
 
 def _runs_in(result: CampaignResult, task: Task, solution: str) -> Runs:
@@ -67,7 +84,8 @@ def _runs_in(result: CampaignResult, task: Task, solution: str) -> Runs:
     errors = result["error"][is_own]
     failed = np.array([error is not None for error in errors])
     first = f"run {failed.argmax()}: {errors[failed][0]}" if failed.any() else ""
-    return Runs(numbers_in(result, task)[is_own], failed, first)
+    seconds = float(np.mean(result["seconds"][is_own]))
+    return Runs(numbers_in(result, task)[is_own], failed, first, seconds)
 
 
 def numbers_in(result: CampaignResult, task: Task) -> Floats:
@@ -117,6 +135,16 @@ def sets_of(task: Task, own: Runs, reference: Runs) -> Sets:
     statistics = [_statistics(task, own, reference, place) for place in places]
     through = [1 - float(np.mean(own.failed[place])) for place in places]
     return Sets(np.array(statistics), np.array(through))
+
+
+def with_drawn(task: Task, own: Runs, reference: Runs, count: int, seed: int) -> Sets:
+    """Return the tests of runs that all came through, and more, whose runs are drawn from these."""
+    done = sets_of(task, own, reference)
+    runs = np.random.default_rng(seed).integers(len(own.failed), size=(count, task.runs))
+    numbers = zip(task.scores, own.values.T, reference.values.T, strict=True)
+    drawn = [score._of_tests(one[runs], other[runs]) for score, one, other in numbers]
+    statistics = np.concatenate([done.statistics, np.stack(drawn, axis=1)])
+    return Sets(statistics, np.ones(len(statistics)))
 
 
 def _statistics(task: Task, own: Runs, reference: Runs, place: slice) -> list[float]:
