@@ -62,6 +62,7 @@ class Folder:
     absolute: str
     sources: Mapping[str, bytes]
     slots: tuple[str, ...]
+    warns: bool = True  # of doubtful results
 
     @classmethod
     def read(cls, path: str | PathLike[str], slots: tuple[str, ...]) -> Folder:

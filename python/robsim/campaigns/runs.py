@@ -62,6 +62,7 @@ class CaseRuns:
             self._simulation = Simulation(
                 self._scenario, seed=seed, time_limit=self._spec.time_limit, **self._fixed
             )
+            self._simulation._warns = all(folder.warns for folder in self._folders)
             self._simulation._give(self._spec.given, self._slots)
         else:
             self._simulation.reset(seed=seed)

@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from robsim.campaigns.runs import CaseRuns
 from robsim.teach import EstimateTask, MeasureTask, TaskCalibration, calibrate_task
 from robsim.teach.tasks.marks import calibration as files
 
@@ -90,9 +91,17 @@ def test_the_same_call_goes_on_with_the_runs_that_are_kept(calibration, keep, mo
 
 
 def test_provisional_limits_come_from_few_tests_which_the_exact_ones_go_on_from(
-    calibration, keep, tmp_path
+    calibration, keep, tmp_path, monkeypatch
 ):
+    done, row = [], CaseRuns.row
+
+    def noted(self, run):
+        done.append((*self.case.labels.values(), run))
+        return row(self, run)
+
+    monkeypatch.setattr(CaseRuns, "row", noted)
     few = calibrated(tmp_path, provisional=True)
+    assert len(done) == 2 * (8 + 8 + 6 + 4) == len({*done})  # none twice
     assert (few.provisional, few.rank, few.tests) == ("few tests", 0, 8)
     assert few.why_provisional in few.remarks
     assert calibration.why_provisional == ""

@@ -54,9 +54,10 @@ def runs_of(
     Each test has as many runs as the task. Known runs are not done again. Other arguments:
     see `robsim.campaign`.
     """
+    folders = {one.name: replace(solution_folder(task, one), warns=False) for one in solutions}
     spec = CampaignSpec(
         scenario=task.scenario,
-        vary={"folder": {one.name: solution_folder(task, one) for one in solutions}},
+        vary={"folder": folders},
         metrics={METRIC: task.score},
         runs=tests * task.runs,
         steps=task.steps,
