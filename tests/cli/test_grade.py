@@ -82,7 +82,8 @@ def test_what_cannot_be_checked_is_refused():
 
 @pytest.fixture(autouse=True, scope="module")
 def quickly():
-    with drawn_quickly():
+    with drawn_quickly(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("robsim.campaigns.engines.engine.processors", lambda: 1)
         yield
 
 
@@ -260,6 +261,18 @@ def test_what_makes_no_sense_is_said_and_nothing_is_graded(hw3):
         assert (run.exit_code, run.stdout) == (2, ""), arguments
         assert named in run.stderr, arguments
     assert not (hw3 / "graded").exists()
+
+
+def test_jobs_are_the_cores_by_default(hw3, monkeypatch):
+    asked = []
+    monkeypatch.setattr("robsim.campaigns.engines.engine.processors", lambda: 3)
+    monkeypatch.setattr(
+        "robsim.cli.marks.grade_class", lambda *_, executor, **__: asked.append(executor) or 1 / 0
+    )
+    for more in ((), ("--jobs", "2")):
+        with pytest.raises(ZeroDivisionError):
+            command("grade", "hw3", "subs", *more)
+    assert asked == [3, 2]
 
 
 def test_a_broken_assignment_is_the_teachers_fault(hw3):

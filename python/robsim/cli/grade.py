@@ -12,7 +12,7 @@ import typer
 
 from robsim.base.text import listed
 from robsim.cli import errors
-from robsim.cli.shared import Jobs, Json, Out, engine_of
+from robsim.cli.shared import AllJobs, Json, Out, engine_of
 
 NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
 
@@ -58,7 +58,7 @@ def grade(
     public: bool = False,
     only: list[str] | None = None,
     groups: Path | None = None,
-    jobs: Jobs = 1,
+    jobs: AllJobs = None,
     isolation: str | None = None,
     out: Out = Path("graded"),
     student: str | None = None,
