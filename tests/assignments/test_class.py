@@ -302,9 +302,10 @@ def test_attempts_and_files_of_canvas_and_blackboard_are_those_of_a_student(hw3,
         f"{at.format('cy', 1)}_old.py": "x = 1",
         f"{at.format('cy', 2)}_new.zip": packed(tmp_path / "new.zip", {"b.txt": "x"}).read_bytes(),
         f"{at.format('cy', 2)}.txt": "x",
+        f"{at.format('d_e', 2)}_a.py": "x = 1",
     }
     told, warned = graded(hw3, packed(tmp_path / "class.zip", files), tmp_path / "out")
-    assert told.keys() == {"anna_12", "cy"}
+    assert told.keys() == {"anna_12", "cy", "d_e"}
     assert "a.py" in told["anna_12"]
     assert told["cy"] == "b.txt"
     for left in ("essay.pdf", "-12.txt", "old.py"):

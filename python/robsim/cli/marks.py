@@ -23,6 +23,7 @@ from robsim.teach.assignments import (
     play_run,
 )
 from robsim.teach.reports import for_student, student_text
+from robsim.teach.reports.words import person
 from robsim.teach.reports.writing import CLASS, PAGE, folder_name
 from robsim.teach.results import number
 
@@ -66,13 +67,13 @@ def _tell(result: SubmissionResult, changed: str) -> None:
 
 def _line(result: SubmissionResult, changed: str) -> str:
     if not result.submission_digest:
-        return f"{result.student}  {_points(result)}  {result.tests[0].sentence}"
+        return f"{person(result.student)}  {_points(result)}  {result.tests[0].sentence}"
     # Those without a digest were not asked for, or could not be graded.
     lost = [test.name for test in result.tests if test.digest and test.status != "passed"]
     names = ", ".join(lost[:_MOST_NAMED]) + (", ..." if len(lost) > _MOST_NAMED else "")
     what = f"  not all of {names}" if lost else ""
     why = f"  (graded anew: {changed})" if changed else ""
-    return f"{result.student}  {_points(result)}{what}{why}"
+    return f"{person(result.student)}  {_points(result)}{what}{why}"
 
 
 def _points(result: SubmissionResult) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robsim.base.report import Column, Quantity, Report, Row, Table
-from robsim.teach.reports.words import by_hand, waiting
+from robsim.teach.reports.words import by_hand, person, waiting
 from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult
 
 _MOST_LISTED = 5
@@ -57,7 +57,7 @@ class ClassResult(Report):
         names = list(dict.fromkeys(test.name for one in self.results for test in one.tests))
         tests = [Column(name, _heading(name), "", ".2f") for name in names]
         columns = [Column("points", "points", "", ".2f"), *tests]
-        rows = [Row(one.student, _row(one, names)) for one in self.results]
+        rows = [Row(person(one.student), _row(one, names)) for one in self.results]
         return (Table(key="students", columns=columns, rows=rows, row_title="student"),)
 
     @property
@@ -79,7 +79,7 @@ class ClassResult(Report):
             yield f"some tests were not run: {_listed(left)}. {' '.join(why)}"
         for one in self.results:
             if said := by_hand(one):
-                yield f"{one.student}: {' '.join(said)}"
+                yield f"{person(one.student)}: {' '.join(said)}"
 
     @property
     def has_errors(self) -> bool:
@@ -106,5 +106,5 @@ def _row(result: SubmissionResult, names: Sequence[str]) -> list[float | None]:
 
 def _listed(results: Sequence[SubmissionResult]) -> str:
     more = len(results) - _MOST_LISTED
-    names = ", ".join(one.student for one in results[:_MOST_LISTED])
+    names = ", ".join(person(one.student) for one in results[:_MOST_LISTED])
     return names + (f" and {more} more" if more > 0 else "")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -17,9 +16,6 @@ from robsim.teach.texts import clean_line
 
 _Rows = Iterator[list[Any]]
 _MOST_FEEDBACK = 1000  # characters
-# How the platforms name what they give to download.
-_OF_CANVAS = re.compile(r"(?P<name>[^_]+)_(LATE_)?(?P<number>\d+)(_\d+_.+)?")
-_OF_BLACKBOARD = re.compile(r".+?_(?P<name>[^_]+)_attempt_\d{4}(-\d\d){5}(_.*)?")
 
 
 def marks_table(
@@ -89,7 +85,7 @@ def _for_canvas(results: Sequence[SubmissionResult], title: str) -> _Rows:
     most = max((result.most for result in results), default=0.0)
     yield ["    Points Possible", None, None, None, None, most]
     for result in results:
-        match = _OF_CANVAS.fullmatch(result.student)
+        match = words.OF_CANVAS.fullmatch(result.student)
         name = result.student
         who = [match["name"], match["number"], None, None] if match else [name, None, None, name]
         yield [*who, None, result.points]
@@ -98,8 +94,8 @@ def _for_canvas(results: Sequence[SubmissionResult], title: str) -> _Rows:
 def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
     yield ["Username", title]
     for result in results:
-        match = _OF_BLACKBOARD.fullmatch(result.student)
-        yield [match["name"] if match else result.student, result.points]
+        match = words.OF_BLACKBOARD.fullmatch(result.student)
+        yield [match["student"] if match else result.student, result.points]
 
 
 def _feedback(result: SubmissionResult) -> Iterator[str]:

@@ -43,8 +43,18 @@ def status(test: TestResult) -> tuple[str, str]:
     return STATUS[test.status]
 
 
-#: How Moodle names what it gives to download.
-OF_MOODLE = re.compile(r"(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(file|onlinetext)(_.*)?")
+#: How platforms name their downloads. After `student` comes the name that the student has given to
+#: the file, which may look like another student's: the first match counts.
+OF_MOODLE, OF_CANVAS, OF_BLACKBOARD = (
+    re.compile(pattern, re.DOTALL)
+    for pattern in (
+        r"(?P<student>(?P<name>.+?)_(?P<number>\d+)_assignsubmission_(file|onlinetext))"
+        r"(_(?P<file>.+)?)?",
+        r"(?P<student>(?P<name>[^_]+)_(LATE_)?(?P<number>\d+))"
+        r"(_\d+_(?P<file>.+?)(-\d+)?(?P<ending>\.\w+))?",
+        r".+?_(?P<student>[^_]+)_attempt_(?P<attempt>\d{4}(-\d\d){5})(_(?P<file>.+))?",
+    )
+)
 
 FINDING = "What robsim check finds"
 OUTPUT = "The submission printed"

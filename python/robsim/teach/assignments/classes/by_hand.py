@@ -11,7 +11,7 @@ from robsim.base.text import as_cell, quoted
 from robsim.teach.assignments.assignment import BY_HAND, Assignment, LateRule
 from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.store import Marks, ResultFolder
-from robsim.teach.assignments.classes.table import Table
+from robsim.teach.assignments.classes.table import EXTRA, Table
 from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.writing import TABLE
 from robsim.teach.results import FAILED, NOT_RUN, PARTIAL, PASSED, ByHand, TestResult, number
@@ -91,7 +91,7 @@ def _of_columns(table: Table, limits: Mapping[str, float]) -> Iterator[str]:
             yield f"there is no column {quoted(name)}{suggestion(name, known)}"
         elif table.columns.count(name) > 1:
             yield f"two columns are named {name}"
-    if any(any(row.get(None, ())) for row in table.rows):  # type: ignore[call-overload]
+    if any(any(row.get(EXTRA, ())) for row in table.rows):
         yield "a row has more cells than there are columns: put a comment in quotes"
 
 

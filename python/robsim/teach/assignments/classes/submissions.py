@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import re
 import unicodedata
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from os import PathLike
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from robsim.simulation.slots import SLOTS
 from robsim.teach.assignments.assignment import Assignment
 from robsim.teach.assignments.classes.groups import FILE, in_groups, read_groups
 from robsim.teach.errors import AssignmentError, SubmissionError
+from robsim.teach.reports.words import OF_BLACKBOARD, OF_CANVAS, OF_MOODLE
 from robsim.teach.reports.writing import folder_name
 from robsim.teach.submissions.archive import paths_in
 from robsim.teach.submissions.folder import ARCHIVES, FORMS
@@ -24,16 +25,6 @@ from robsim.teach.submissions.reading import arranged, open_submission
 from robsim.teach.tasks.solutions import MODULE
 
 _SENT = (*FORMS, *ARCHIVES)  # other archives than zips are refused in a sentence
-# Names in downloads of Moodle, Canvas and Blackboard. The first match counts: after it comes the
-# name that the student has given to the file, which may look like another student's.
-_MOODLE, _CANVAS, _BLACKBOARD = (
-    re.compile(pattern, re.DOTALL)
-    for pattern in (
-        r"(?P<student>.+?_\d+_assignsubmission_(file|onlinetext))(_(?P<file>.+)?)?",
-        r"(?P<student>[^_]+_(LATE_)?\d+)_\d+_(?P<file>.+?)(-\d+)?(?P<ending>\.\w+)",
-        r".+?_(?P<student>[^_]+)_attempt_(?P<attempt>\d{4}(-\d\d){5})_(?P<file>.+)",
-    )
-)
 
 
 @dataclass(frozen=True)
@@ -171,13 +162,13 @@ def _class_in(zipped: Path) -> tuple[str, set[str]]:
     inside = ""
     while len(tops := {_top(path, inside) for path in paths}) == 1:
         (around,) = tops
-        if not around.endswith("/") or _MOODLE.fullmatch(around[:-1]):
+        if not around.endswith("/") or OF_MOODLE.fullmatch(around[:-1]):
             break
         inside += around
     sent = {_top(path, inside) for path in paths if path.lower().endswith(_SENT)}
     files = {top for top in sent if not top.endswith("/")}
     is_class = (
-        any(_MOODLE.fullmatch(top.removesuffix("/")) for top in tops)
+        any(OF_MOODLE.fullmatch(top.removesuffix("/")) for top in tops)
         or any(_whose(file)[1] != file for file in files)
         or (len(sent) > 1 and any(file.lower().endswith(ARCHIVES) for file in files))
         or (len(sent - files) > 1 and len(files) != 1)
@@ -194,8 +185,9 @@ def _by_student(
 ) -> tuple[dict[str, list[tuple[str, str]]], list[str]]:
     """Return the files of each student, and a sentence on each student with several submissions."""
     found: dict[str, dict[str, list[tuple[str, str]]]] = {}
+    title = _title_of(tops)
     for place in sorted(tops):
-        student, name, attempt = _whose(place)
+        student, name, attempt = _whose(place, title)
         found.setdefault(student, {}).setdefault(attempt, []).append((place, name))
     newest, others, old, problems = {}, [], [], []
     for student, attempts in found.items():
@@ -221,15 +213,24 @@ def _can_be_graded(place: str) -> bool:
     return place.lower().endswith((*_SENT, "/"))
 
 
-def _whose(place: str) -> tuple[str, str, str]:
+def _title_of(places: Iterable[str]) -> str:
+    """Return how all files of a class from Blackboard begin: its names of students may have "_"."""
+    starts = [one.partition("_attempt_")[0] for one in places if OF_BLACKBOARD.fullmatch(one)]
+    parts = zip(*(start.split("_")[:-1] for start in starts), strict=False)
+    return "".join(f"{same[0]}_" for same in takewhile(lambda part: len({*part}) == 1, parts))
+
+
+def _whose(place: str, title: str = "") -> tuple[str, str, str]:
     """Return the student of a file or a folder, its name in the submission, and the attempt."""
     is_folder = place.endswith("/")
     full = place.removesuffix("/")
-    for pattern in (_MOODLE,) if is_folder else (_MOODLE, _CANVAS, _BLACKBOARD):
+    for pattern in (OF_MOODLE,) if is_folder else (OF_MOODLE, OF_CANVAS, OF_BLACKBOARD):
         if match := pattern.fullmatch(full):
             known = match.groupdict(default="")
             file = known["file"] + known.get("ending", "") or place
             student = _named(known["student"].replace("_LATE_", "_"))
+            if title and pattern is OF_BLACKBOARD:
+                student = _named(place.removeprefix(title).partition("_attempt_")[0])
             return student, "" if is_folder else file, known.get("attempt", "")
     if is_folder:
         return _named(full), "", ""

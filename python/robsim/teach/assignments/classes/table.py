@@ -13,6 +13,8 @@ from robsim.base.files import content_of, read_text, write_whole
 from robsim.base.text import one_line
 
 _MOST = 2**24  # bytes
+#: The key of cells without a column.
+EXTRA = "\0"
 _ENCODINGS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb": "utf-8-sig"}
 
 
@@ -22,7 +24,7 @@ class Table:
 
     file: Path
     columns: list[str]
-    rows: list[dict[str, Any]]  # None: the list of cells without a column
+    rows: list[dict[str, Any]]
     delimiter: str = ","
     encoding: str = "utf-8-sig"  # without its mark Excel expects another one
 
@@ -31,7 +33,8 @@ class Table:
         """Return the table of a file; raise ValueError if that is broken."""
         text = read_text(file, _MOST)
         delimiter = max(",;\t", key=text.partition("\n")[0].count)
-        rows = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter, restval="")
+        content = io.StringIO(text, newline="")
+        rows = csv.DictReader(content, None, EXTRA, "", delimiter=delimiter)
         try:
             rows.fieldnames = [name.strip() for name in rows.fieldnames or ()]
             encoding = _ENCODINGS.get(content_of(file, 2), "utf-8")

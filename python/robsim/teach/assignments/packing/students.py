@@ -7,7 +7,8 @@ from pathlib import Path
 
 from robsim.base.checks import check_kind
 from robsim.base.files import as_path
-from robsim.base.text import one_line
+from robsim.base.text import listed, one_line
+from robsim.base.warn import warn_user
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.making import write_below
@@ -74,9 +75,21 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     ------
     OSError
         If a page is missing, or the zip cannot be written.
+
+    Warns
+    -----
+    UserWarning
+        If only some folders have names as in Moodle.
     """
     check_kind("result", result, ClassResult)
     place, target = as_path(out, "out"), as_path(path)
+    students = [name for one in result.results for name in one.members or [one.student]]
+    of_moodle = [name for name in students if OF_MOODLE.fullmatch(name)]
+    if of_moodle and (others := [name for name in students if name not in of_moodle]):
+        warn_user(
+            f"Moodle does not know the folders of {listed(others)} in {one_line(target)}: name "
+            f"these in groups.csv as Moodle does, NAME_NUMBER_assignsubmission_file"
+        )
     files = {
         f"{_recipient(student)}/{name}": (place / folder_name(one.student) / name).read_bytes()
         for one in result.results
