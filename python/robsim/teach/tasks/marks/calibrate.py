@@ -264,10 +264,11 @@ def calibration_seconds(
     check_int("processes", processes, minimum=1, maximum=10**4)
     right = [one for one in chosen if one.is_right]
     first = runs_of(task, right, 1, seed=seed, store=_file(store, "right"))
-    of_right, of_wrong = (
-        (RIGHT_TESTS, FIRST_TESTS) if provisional else (PILOT_TESTS + count, WRONG_TESTS)
-    )
-    tests = of_right * len(right) + of_wrong * (len(chosen) - len(right))
+    wrong = len(chosen) - len(right)
+    tests = (PILOT_TESTS + count) * len(right) + WRONG_TESTS * wrong
+    if provisional:
+        more = (MORE_TESTS - FIRST_TESTS) * len(task.scores) / 2  # where points of a score end
+        tests = RIGHT_TESTS * len(right) + FIRST_TESTS * wrong + round(more)
     seconds = float(np.mean([runs.seconds for runs in first.values()]))
     return seconds * tests * task.runs / processes
 
