@@ -11,6 +11,7 @@ import sys
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
@@ -125,12 +126,17 @@ def module_name(slot: str) -> str:
 
 
 def _compiled(source: bytes, file: str) -> Any:
+    code, lines = _code_and_lines(source, file)
+    # Tracebacks show the lines that were compiled, even if the file has changed since.
+    linecache.cache[file] = (len(source), None, lines, file)
+    return code
+
+
+@lru_cache(maxsize=64)  # each run of a campaign executes the same files
+def _code_and_lines(source: bytes, file: str) -> tuple[Any, list[str]]:
     text = _decoded(source, file)
     tree = _with_plain_imports(source, file) if _RELATIVE.search(source) else source
-    code = compile(tree, file, "exec", dont_inherit=True)
-    # Tracebacks show the lines that were compiled, even if the file has changed since.
-    linecache.cache[file] = (len(source), None, list(io.StringIO(text)), file)
-    return code
+    return compile(tree, file, "exec", dont_inherit=True), list(io.StringIO(text))
 
 
 def _with_plain_imports(source: bytes, file: str) -> Any:
