@@ -52,11 +52,12 @@ def compared(task: Task, runs: dict[bool, dict[str, Runs]], seed: int) -> Floats
         [sets_of(task, one, reference) for one in runs[kind].values()] for kind in (True, False)
     )
     first = reference.first(calibrate.RIGHT_TESTS * task.runs)
+    count = calibrate.DRAWN // task.runs
     drawn = [
-        with_drawn(task, one.first(len(first.failed)), first, calibrate.DRAWN, seed)
+        with_drawn(task, one.first(len(first.failed)), first, count, seed)
         for one in runs[True].values()
     ]
-    above = calibrate.DRAWN * np.log(2) / fewest_values(FALSE_FAIL, CONFIDENCE)
+    above = count * np.log(2) / fewest_values(FALSE_FAIL, CONFIDENCE)
     of_drawn = calibrate.RIGHT_TESTS, round(above)
     rank = bound_rank(fewest_values(FALSE_FAIL, CONFIDENCE), FALSE_FAIL, CONFIDENCE)
     exact = limits_from(task, right, wrong, calibrate.PILOT_TESTS, rank)

@@ -38,8 +38,8 @@ PILOT_TESTS, WRONG_TESTS = 60, 60
 #: of these, or set where points end. One that passes in a share p of the tests is given up with the
 #: probability (1 - p)^6: 26 % for p = 20 %.
 RIGHT_TESTS, FIRST_TESTS, MORE_TESTS = 40, 6, 40
-#: Tests that are drawn from the runs for provisional limits.
-DRAWN = 30_000
+#: Runs in the tests that are drawn for provisional limits; more would take memory.
+DRAWN = 300_000
 _ALL = 1 - 1e-9
 
 
@@ -120,8 +120,9 @@ def calibrate_task(
 
     if provisional:
         # median of the largest of n: P(none of n is above the quantile 1 - p) = 1/2, p = log 2 / n
-        above = DRAWN * math.log(2) / fewest_values(false_fail, confidence)
-        drawn = partial(with_drawn, count=DRAWN, seed=seed)
+        tests = DRAWN // task.runs
+        above = tests * math.log(2) / fewest_values(false_fail, confidence)
+        drawn = partial(with_drawn, count=tests, seed=seed)
         sets, limits = _tested(task, chosen, play, RIGHT_TESTS, max(round(above), 1), drawn)
         count, rank, begin, place = RIGHT_TESTS, 0, 0, slice(RIGHT_TESTS)
     else:
