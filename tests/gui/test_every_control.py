@@ -126,7 +126,7 @@ def use_settings(mouse):
         "Speed": ("speed", 16, 100),
     }
     for label, (name, at, value) in sliders.items():
-        mouse.tab.get_by_label(label, exact=True).fill(str(at))
+        mouse.tab.get_by_role("slider", name=label, exact=True).fill(str(at))
         wait_for_value(mouse, name, value)
 
 
@@ -255,6 +255,7 @@ def use_callbacks(mouse, editor):
 
 def use_inspector_and_result(mouse):
     tab = mouse.tab
+    mouse.open("Scenario")
     mouse.open("Inspector")
     for name in ("estimate", "pose"):  # the robot may be hidden in this step
         tab.locator(".robsim-tree").get_by_text(name, exact=True).click()
@@ -304,8 +305,8 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_inspector_and_result(mouse)
     use_title(mouse)
     use_tools(mouse)
-    # An error, notes and motors are not there. What is in no file has no Edit.
-    elsewhere = ".robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
+    # An error, notes and motors are not there. Only code of files has Edit. Options: their test.
+    elsewhere = ".robsim-scenario, .robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 
 

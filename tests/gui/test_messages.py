@@ -27,6 +27,8 @@ GOOD = [
     {"type": "set", "id": "a", "name": "speed", "value": 2.5},
     {"type": "set", "id": "a", "name": "noise", "value": "gaussian"},
     {"type": "set", "id": "a", "name": "boxes", "value": True},
+    {"type": "set_option", "id": "a", "name": "area", "value": [[1.5, None], {"x": True}, "y"]},
+    {"type": "load_scenario", "id": "a", "text": "x" * 1000},
     {"type": "go_to", "id": "a", "x": 1, "y": -2.5},
     {"type": "path", "id": "a", "points": [[0, 1], [2.5, 3]]},
     {"type": "look", "id": "a", "k": None},
@@ -61,6 +63,8 @@ BAD = {
     ("grant", "late"): [None, 0, 1, "true"],
     ("press", "button"): TEXTS,
     ("set", "value"): [None, [], {}, float("nan"), 10**400, "x" * 201, NESTED],
+    ("set_option", "value"): [float("nan"), {"x": float("inf")}, "x" * 1_000_001, NESTED],
+    ("load_scenario", "text"): ["x" * 1_000_001],
     ("go_to", "x"): NUMBERS,
     ("path", "points"): [
         *(None, 1, "ab", {}, [1], [[1]], [[1, 2, 3]], [[1, "2"]], [[1, float("nan")]], NESTED),

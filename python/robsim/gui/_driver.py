@@ -108,6 +108,7 @@ class Driver(Worker):
         self.on_step: list[Callable[[Step], None]] = []
         self.on_stage: list[Callable[[str, Step], None]] = []
         self.on_state: list[Callable[[Driver], None]] = []
+        self.on_reset: list[Callable[[], None]] = []  # an exception prevents it
         self._state: State = "paused"
         self._error: BaseException | None = None
         self._was_ended = False  # the newest run, by a command
@@ -344,7 +345,8 @@ class Driver(Worker):
         step = self.runner.last_step  # does what comes once
         if not self.runner.n_steps:
             self._unseen = deque(slot for slot in AT_START if slot in self.runner.SLOTS)
-        if isinstance(self.runner, Experiment) and not self.runner.n_steps:
+        is_late = isinstance(self.runner, Simulation) and self.runner.scenario.camera_delay
+        if (isinstance(self.runner, Experiment) or is_late) and not self.runner.n_steps:
             self._tell(self.on_state, self)  # no frame has come yet
         else:
             self._tell(self.on_step, step)
@@ -375,6 +377,8 @@ class Driver(Worker):
     def _reset(self) -> None:
         self._pause()
         try:
+            for begin in self.on_reset:
+                begin()
             self.runner.reset()
         except BaseException as error:
             if callback_of(error) is None:

@@ -31,6 +31,7 @@ class Option:
     example: str = ""  # a value, for messages
     normal: Callable[[Any], Any] | None = None  # value to normal form; TypeError, ValueError
     is_live: bool = False  # whether it may change in the middle of a run
+    group: str = ""  # where people look for it
     label: str = ""  # of its slider in the panel; empty: no slider
     level: Level | None = None  # of the slider
     part: str = ""  # of the value: the slider sets this attribute

@@ -222,43 +222,46 @@ class Options:
         "Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen "
         'with ``robsim robots use``, initially ``"lab"``.',
         kind="str, path or RobotDefinition", types=(RobotDefinition,), normal=as_robot,
+        group="robot",
     )  # fmt: skip
     area: tuple[int, int] = size(
-        WORLD, (1200, 1200), "Width and height of the work area (px).", unit="width and height, px"
-    )
+        WORLD, (1200, 1200), "Width and height of the work area (px).", unit="width and height, px",
+        group="world",
+    )  # fmt: skip
     resolution: tuple[int, int] | None = size(
         WORLD, None, "Width and height of the frames (px). Default: the same as the area.",
-        unit="px",
+        unit="px", group="camera",
     )  # fmt: skip
     boundary: str = choice(
         WORLD, "bounce",
         '``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and '
         "the view follows the robot.",
-        choices=("bounce", "unlimited"),
+        choices=("bounce", "unlimited"), group="world",
     )  # fmt: skip
     headings: int | None = whole(
         WORLD, HEADINGS,
         "Number of headings that the robot is drawn in: the nearest one, at integer pixels. None: "
         "drawn at its exact position and heading.",
-        minimum=1, maximum=360,
+        minimum=1, maximum=360, group="camera",
     )  # fmt: skip
     noise: Noise | None = value(
         WORLD, None, "Camera noise.",
         types=(UniformNoise, GaussianNoise), example="robsim.GaussianNoise(40)", is_live=True,
+        group="camera",
     )  # fmt: skip
     dropout: Dropout | None = value(
         ROBOT, None, "Random occlusion: the probability that the robot is hidden from the camera.",
         types=(Dropout,), example="robsim.Dropout(0.2)", is_live=True,
-        label="Dropout", level=Dropout._LEVEL, part="probability",
+        label="Dropout", level=Dropout._LEVEL, part="probability", group="camera",
     )  # fmt: skip
     process_noise: PoseNoise | WheelNoise | None = value(
         ROBOT, None, "Random disturbance of the robot's motion in every step.",
         types=(PoseNoise, WheelNoise), example="robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)",
-        is_live=True,
+        is_live=True, group="robot",
     )  # fmt: skip
     mismatch: ParameterMismatch | None = value(
         ROBOT, None, "How far the parameters of the world differ from those of `model`.",
-        types=(ParameterMismatch,), example="robsim.ParameterMismatch(0.05)",
+        types=(ParameterMismatch,), example="robsim.ParameterMismatch(0.05)", group="robot",
     )  # fmt: skip
     camera_delay: int = whole(
         WORLD, 0,
@@ -266,42 +269,42 @@ class Options:
         "and the software does not know when the frame was taken but from the frame.",
         minimum=0, maximum=MAXIMUM_DELAY, unit="steps",
         reason="a frame shows a step; put the fraction into motor_delay, since frames say when "
-        "they were taken",
+        "they were taken", group="camera",
     )  # fmt: skip
     motor_delay: float = number(
         ROBOT, 0,
         "How many steps late an input reaches the motors. With a fraction the robot gets in each "
         "step the mean of the two inputs that act in it; see the notes of `Scenario`.",
-        minimum=0, maximum=MAXIMUM_DELAY, unit="steps",
+        minimum=0, maximum=MAXIMUM_DELAY, unit="steps", group="robot",
     )  # fmt: skip
     background: Pixels | Floor | str | PathLike[str] | None = value(
         WORLD, None,
         "The floor, scaled to the area. Default: the floor that ships with robsim.",
         kind="array (H, W, 3) of uint8, or path", types=(Floor,),
-        normal=background_value,
+        normal=background_value, group="world",
     )  # fmt: skip
     start: ArrayLike | None = value(
         ROBOT, None,
         "The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.",
-        kind='array (3,) or "random"', unit="px, px, rad",
+        kind='array (3,) or "random"', unit="px, px, rad", group="world",
     )  # fmt: skip
     seed: Seed = value(
         WORLD, None,
         "Seed of all random numbers of the run. None = unpredictable: another one in each run.",
         kind="int, SeedSequence or Generator", normal=seed_value,
-        types=(SeedRecord,), plain=True,
+        types=(SeedRecord,), plain=True, group="world",
     )  # fmt: skip
     colors: str | PathLike[str] | Iterable[ColorClass] | None = value(
         ROBOT, None,
         "Colour file, or classes, to detect. Default: red and blue as shipped with robsim.",
-        kind="path or iterable of ColorClass", normal=colors_value,
+        kind="path or iterable of ColorClass", normal=colors_value, group="software",
     )  # fmt: skip
     markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None = value(
         ROBOT, None,
         "Geometry of the markers for the default measurement, or the robot that has them. Default: "
         "`robot`.",
         kind="MarkerLayout, RobotDefinition, str or path", types=(MarkerLayout,),
-        normal=markers_value,
+        normal=markers_value, group="software",
     )  # fmt: skip
     smoothing: int | None = whole(
         ROBOT, None,
@@ -309,32 +312,34 @@ class Options:
         "frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. "
         "1 = off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of "
         "7 px, 3 in frames with noise and 1 in others.",
-        minimum=1, maximum=15, unit="px", normal=_check_smoothing,
+        minimum=1, maximum=15, unit="px", normal=_check_smoothing, group="software",
     )  # fmt: skip
     identify_from: str = choice(
         ROBOT, "truth",
         'Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.',
-        choices=tuple(POSES),
+        choices=tuple(POSES), group="software",
     )  # fmt: skip
     model: RobotModel | RobotParameters | None = value(
         ROBOT, None,
         "The model of the world, except for `mismatch`, and the belief of the robot's software, "
         "unless ``define_model`` gives another. Default: the result of ``define_model``, or the "
         "model of ``RobotParameters()``.",
-        types=(RobotModel, RobotParameters), normal=_check_model,
+        types=(RobotModel, RobotParameters), normal=_check_model, group="robot",
     )  # fmt: skip
     evaluate_model: Unicycle | None = value(
         ROBOT, None, "How the robot moves. Default: by the model's own equations.",
-        types=SLOTS["evaluate_model"].native,
+        types=SLOTS["evaluate_model"].native, group="robot",
     )  # fmt: skip
     estimate_parameters: bool = switch(
-        ROBOT, False, "Whether recursive least squares estimate the parameters."
-    )
-    measure: bool = switch(ROBOT, False, "Whether the robot is located by its markers.")
+        ROBOT, False, "Whether recursive least squares estimate the parameters.", group="software",
+    )  # fmt: skip
+    measure: bool = switch(
+        ROBOT, False, "Whether the robot is located by its markers.", group="software",
+    )  # fmt: skip
     control: Spin | DriveAround | Replay | None = value(
         ROBOT, _CONTROL, "The controller.",
         types=SLOTS["control"].native,
-        normal=lambda control: _CONTROL if control is None else control,
+        normal=lambda control: _CONTROL if control is None else control, group="software",
     )  # fmt: skip
 
 

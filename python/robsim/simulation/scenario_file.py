@@ -136,6 +136,17 @@ _FILE = codec.Table(
 )
 
 
+def data_of(name: str, value: Any) -> Any:
+    """Return the value of an option, not None, as a file has it, in plain types."""
+    written = _FILE._entries[name].write(value)
+    return written.unwrap() if hasattr(written, "unwrap") else written
+
+
+def units_of(kind: type) -> dict[str, str]:
+    """Return the units of the keys of a value that is a table."""
+    return {key: entry.unit for key, entry in TABLES[kind]._entries.items()}
+
+
 def to_toml(changes: dict[str, Any]) -> str:
     """Return options, in their normal forms, as TOML; ValueError for more than a file may have."""
     values = {name: _CONTINUOUS if value is None else value for name, value in changes.items()}

@@ -211,7 +211,7 @@ class Simulation(WorldSlots, Runner):
                 load = f"robsim.Scenario.load({quoted(str(scenario))})"
                 hint = f"give {load}" if is_file else f"{hint}, such as robot={quoted(scenario)}"
             raise TypeError(f"scenario must be a Scenario, got {quoted(scenario)}: {hint}")
-        code = [one for one in _STAGES if one in given and not _is_data(one, given[one])]
+        code = [one for one in _STAGES if one in given and not is_data(one, given[one])]
         data = {name: given[name] for name in OPTIONS if name in given and name not in code}
         if data.get("area", _SAME) is None:
             del data["area"]
@@ -248,7 +248,7 @@ class Simulation(WorldSlots, Runner):
     def scenario(self) -> Scenario:
         """All that describes the world and the run, with the seed that is used."""
         stages = {
-            name: value if _is_data(name, value) else None
+            name: value if is_data(name, value) else None
             for name, value in self._callbacks.items()
             if name in _STAGES
         }
@@ -345,6 +345,18 @@ class Simulation(WorldSlots, Runner):
     def _forget_run(self) -> None:
         super()._forget_run()
         self._earlier = []
+
+    def _renew(self, scenario: Scenario, kept: Iterable[str]) -> None:
+        """Go to the start of another scenario; the `kept` slots keep their callbacks."""
+        limit = None if self._time_limit is None else self._time_limit.seconds
+        slots = {slot: self._callbacks[slot] for slot in kept}
+        renewed = vars(Simulation(scenario, time_limit=limit, **slots))
+        renewed["_given"] |= {slot: self._given[slot] for slot in slots}
+        times = self._call_times
+        stays = ("_folder", "_from_folder", "_call_times", "_n_resets")
+        vars(self).update({name: renewed[name] for name in renewed.keys() - {*stays}})
+        self._n_resets += 1  # now that the steps are gone
+        self._time_calls(times)
 
     def _default(self, slot: str) -> Any:
         if slot == "control":
@@ -476,6 +488,6 @@ def _given(**options: Any) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not _SAME}
 
 
-def _is_data(name: str, value: Any) -> bool:
+def is_data(name: str, value: Any) -> bool:
     """Return whether the value of a slot is part of a scenario."""
     return value is None or type(value) in (OPTIONS[name].types or (bool,))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from robsim._core import Step
@@ -12,6 +14,7 @@ from robsim.gui._link import (
     MAGNIFY,
     Link,
     Messages,
+    Refused,
     buffers_of_message,
     list_of,
     maybe,
@@ -67,12 +70,25 @@ class Part:
         """Wait for what is computed or drawn for it (s), once the view has ended; any thread."""
 
 
+def data(value: Any) -> Any:
+    """Return data as JSON has them; their owner checks more."""
+    with suppress(RecursionError, ValueError):
+        if len(json.dumps(value, allow_nan=False)) <= _MOST_DATA:
+            return value
+    raise Refused(f"data of up to {_MOST_DATA} characters")
+
+
+_MOST_DATA = 1_000_000  # characters
 _MOST_POINTS = 1000
 _MOST_NAMES = 100
 MESSAGES: Messages = {
     **COMMON,
     "press": {"button": text},
     "set": {"name": text, "value": setting},
+    "set_option": {"name": text, "value": data},
+    "keep_options": {},
+    "load_scenario": {"text": data},
+    "save_scenario": {},
     "go_to": {"x": number, "y": number},
     "path": {"points": list_of(point, _MOST_POINTS)},
     "look": {"k": maybe(whole)},

@@ -164,12 +164,12 @@ class RunRecord(Record):
 
     def __init__(self, runner: Simulation | Experiment) -> None:
         self._runner = runner
-        self.area = runner.area
         self.look_again()
 
     def look_again(self) -> None:
-        """Take over another robot, or other colours, that the run has got."""
+        """Take over another robot, other colours or another area that the run has got."""
         runner = self._runner
+        self.area = runner.area
         self.colors, self.markers = runner.colors, runner.markers
         self.robot_name = runner.robot.name
         self.outline = runner.robot.to_robot_frame(runner.robot.outline)

@@ -24,6 +24,7 @@ from robsim.gui.panels.record import ExperimentRecord, Record, SavedRecord, Simu
 from robsim.gui.panels.run.callbacks import Callbacks
 from robsim.gui.panels.run.camera import CameraView
 from robsim.gui.panels.run.controls import Controls
+from robsim.gui.panels.run.scenario import ScenarioOptions
 from robsim.gui.panels.run.tools import Tools
 from robsim.gui.panels.run.transport import Transport
 from robsim.gui.panels.still_part import Still
@@ -56,6 +57,8 @@ class PanelView(View):
         kinds = [Transport, Controls, Statistics, Parameters, Inspector]
         if not isinstance(self.runner, Playback):
             kinds.append(Callbacks)
+        if isinstance(self.runner, Simulation):
+            kinds.append(ScenarioOptions)
         made = (kind(self) for kind in kinds)
         self.tools = Tools(self)
         analysis = (self.past, self._result, self.still, self.rows, self.tools)

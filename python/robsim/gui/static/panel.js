@@ -11,6 +11,7 @@ import { makeInspector } from "./parts/inspector.js";
 import { makeKeyboard } from "./parts/keyboard.js";
 import { makeNotes } from "./parts/notes.js";
 import { makeResult } from "./parts/result.js";
+import { makeScenario } from "./parts/scenario.js";
 import { makeTimeline } from "./parts/timeline.js";
 import { makeTitle } from "./parts/title.js";
 import { makeToolPlace } from "./parts/tool_place.js";
@@ -55,6 +56,7 @@ function layOut(context, camera, place) {
     callbacks: makeCallbacks(context),
     inspector: makeInspector(context),
     result: makeResult(context),
+    scenario: makeScenario(context),
   });
   const view = make("div.robsim-view.robsim-surface", camera.element, trouble.element);
   const left = [makeTitle(context), { element: view }, transport, timeline, makeControls(context)];
@@ -90,13 +92,18 @@ function makeTabs(context, sheets) {
   moveByArrows(list, (button) => choose(button.value));
 
   const show = () => {
-    const chosen = names.includes(context.local.tab) ? context.local.tab : names[0];
+    const isThere = [...list.children].some(({ value }) => value == context.local.tab);
+    const chosen = isThere ? context.local.tab : names[0];
     markChosen(list, "aria-selected", (button) => button.value == chosen);
     names.forEach((name, i) => (elements[i].hidden = name != chosen));
   };
   context.on("local", (name) => name == "tab" && show());
   const callbacks = tabs[names.indexOf("callbacks")];
   context.on("state", ({ error }) => (callbacks.dataset.mark = error ? "bad" : ""));
+  context.on("setup", ({ has_options: hasOptions }) => {
+    if (!hasOptions) tabs[names.indexOf("scenario")].remove();
+    show();
+  });
   context.on("result", ({ again }) => again || choose("result")); // not one from before
   show();
   return { list, sheets: make("div.robsim-sheets", ...elements) };

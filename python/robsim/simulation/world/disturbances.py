@@ -238,9 +238,10 @@ class ParameterMismatch:
     """
 
     sigma: float
+    _LEVEL: ClassVar[Level] = Level("", high=0.3, step=0.01, default=0.05)
 
     def __post_init__(self) -> None:
-        sigma = check_float("sigma", self.sigma, minimum=0, maximum=0.3)
+        sigma = check_float("sigma", self.sigma, minimum=0, maximum=self._LEVEL.high)
         object.__setattr__(self, "sigma", sigma)
 
     def draw(self, model: RobotModel, rng: np.random.Generator) -> RobotModel:

@@ -21,7 +21,6 @@ class Owners:
 
     def __init__(self, runner: Simulation | Experiment) -> None:
         self._runner = runner
-        self._default_model = runner._default("define_model")
         self._made: dict[str, tuple[object, object]] = {}  # by the panel: the last two of a slot
         self._users: dict[str, Any] = {}
         self.look()
@@ -87,7 +86,7 @@ class Owners:
     def _is_default(self, slot: str, value: object) -> bool:
         if slot == "control":
             return signal_of(value) is not None
-        return slot == "define_model" and value == self._default_model
+        return slot == "define_model" and value == self._runner._default(slot)
 
 
 def owners_of(runner: Simulation | Experiment) -> Owners:

@@ -64,12 +64,12 @@ class DisturbanceKind(Choice):
     def choose(self, name: str) -> Remarks:
         self._note()
         kind = self._kinds.get(name)
-        return self._set(None if kind is None else _made(kind, self._levels[kind._LEVEL]))
+        return self._set(None if kind is None else made(kind, self._levels[kind._LEVEL]))
 
     def move(self, level: float) -> Remarks:
         """Set the level; without a disturbance there is one of the last kind then."""
         self._note()
-        return self._set(_made(self._kinds[self._last], level))
+        return self._set(made(self._kinds[self._last], level))
 
     def _set(self, noise: Any) -> Remarks:
         setattr(self._simulation, self._option, noise)
@@ -82,7 +82,7 @@ class DisturbanceKind(Choice):
             self._levels[self.range] = self.level
 
 
-def _made(kind: Any, level: float) -> Any:
+def made(kind: Any, level: float) -> Any:
     """Return a disturbance of a level: most kinds take nothing else."""
     return getattr(kind, "_of_level", kind)(level)
 

@@ -25,7 +25,8 @@ export function makeNotes(context) {
       context.emit("note", { level: "info", text: words });
     }
   });
-  context.on("note", ({ level, text: words }) => {
+  context.on("note", ({ level, text: words, option }) => {
+    if (option) return; // it stands beside its field
     if (!shown.has(words)) {
       const close = makeButton("close", "robsim-plain robsim-icon", () => drop(words));
       const toast = make(`div.robsim-surface.robsim-afloat.robsim-toast.robsim-toast-${level}`,
