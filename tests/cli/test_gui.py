@@ -82,10 +82,12 @@ def test_what_was_saved_is_played_back(seen, tmp_path):
 def test_the_options_of_a_run(seen, tmp_path):
     options = ("--noise", "gaussian:5", "--dropout", "0.3:2", "--area", "400x300", "--seed", "4")
     options += ("--control", "go-to-point:200,100", "--speed", "max", "--robot", "lab")
+    options += ("--boundary", "unlimited", "--headings", "continuous", "--motor-delay", "0.5")
     assert command("gui", *options).exit_code == 0
     simulation = seen.view.runner
     assert simulation.area == (400, 300)
     assert simulation.noise.percent == 5
+    assert (simulation.boundary, simulation.scenario.motor_delay) == ("unlimited", 0.5)
     assert simulation.dropout.probability == 0.3
     assert seen.view.driver.speed == float("inf")
     simulation.scenario.save(tmp_path / "task.toml")
@@ -236,3 +238,5 @@ def test_the_scores_of_a_whole_run_of_a_task_are_told(seen, tmp_path, monkeypatc
         run = command("gui", str(tmp_path), "--task", "park", "--seed", "1")
         assert told in run.stdout, run.stderr
         assert seen.view.record.n_steps == 25
+    run = command("gui", str(tmp_path), "--task", "park", "--boundary", "unlimited")
+    assert "has another boundary" in run.stdout

@@ -115,7 +115,17 @@ def _scored(task: Task, trace: Trace) -> str:
     """Return the scores of the run that was shown, in a sentence."""
     if len(trace) < task.steps:
         return f"no scores: {len(trace)} of the {task.steps} steps of the task {task.name} were run"
+    from robsim.simulation import Scenario
+    from robsim.simulation.options import OPTIONS
+
     run = trace[: task.steps]
+    scenario = run.info.scenario
+    if isinstance(scenario, str):
+        scenario = Scenario.from_toml(scenario)
+    for name, row in OPTIONS.items():
+        is_other = scenario and getattr(scenario, name) != getattr(task.scenario, name)
+        if row.group != "software" and name != "seed" and (is_other or name in run.info.changed):
+            return f"no scores: the task {task.name} has another {name}"
     if (rule := task.broken_rule(run)) is not None:
         return f"no scores: {rule}"
     numbers = task.score(run)
