@@ -147,6 +147,30 @@ def test_a_click_shows_the_frame_and_one_near_a_black_dot_that_of_the_dot(show):
     assert looks(host) == [70, 24]
 
 
+def test_one_cursor_goes_through_time_line_numbers_and_charts(show):
+    host = show(walk(2000))
+    host.state(state="running", k=1999, steps=2000)
+    host.frame(1990, rows=walk(2000))
+    settle(host)
+    place = host.tab.locator(".robsim-timeline-place")
+    step = host.tab.locator(".robsim-title-step")
+    assert (place.inner_text(), step.inner_text()) == ("1990 / 1990", "step 1990")
+    assert "step 1990 " in Chart(host, "x px").key("End")
+    host.tab.evaluate("document.activeElement.blur()")
+    slider = host.tab.locator("input[name=timeline]")
+    slider.evaluate("e => { e.value = 300; e.dispatchEvent(new Event('input')); }")
+    settle(host)
+    assert looks(host) == [300]
+    assert not follows(host)
+    assert step.inner_text() == "step 300"
+    for label in ("x px", "\u0394heading"):  # scrolled to it, with a line at it
+        assert Chart(host, label).marked() == pytest.approx(0.5, abs=0.02)
+    host.tab.locator("button[name=follow]:visible").click()
+    settle(host)
+    assert looks(host) == [300, None]
+    assert follows(host)
+
+
 def test_keys_move_the_cursor_and_say_what_is_there(show):
     host = show(walk(600))
     chart = Chart(host, "x px")

@@ -413,7 +413,6 @@ def test_a_reset_lets_the_charts_follow_and_ends_a_look_at_the_past(open_fake):
     host.frame(299, rows={"pose_true": [[k, k, 0] for k in range(300)]})
     host.tab.keyboard.press("ArrowLeft")
     follow = host.tab.locator(".robsim-traces button[name=follow]")
-    follow.click()
     assert follow.get_attribute("aria-pressed") == "false"
     host.forget()
     host.state(k=349, steps=350, resets=1)

@@ -12,6 +12,7 @@ INKS = {  # in the light theme
     "measured": (18, 161, 80),
     "estimated": (31, 111, 235),
     "held": (0, 0, 0),
+    "accent": (87, 80, 211),
     "red": (229, 72, 77),
     "blue": (59, 130, 246),
 }
@@ -132,7 +133,8 @@ class Chart:
 
     def inked(self, ink):
         """Return where pixels of a colour are below the title, bool (H, W)."""
-        painted = pixels(self.over.locator("xpath=preceding-sibling::canvas")).astype(int)
+        canvas = self.over if ink == "accent" else self.over.locator("xpath=preceding-sibling::*")
+        painted = pixels(canvas).astype(int)
         near = np.abs(painted[..., :3] - INKS[ink]).max(axis=2) < 40
         near &= painted[..., 3] > 200
         near[:22] = False
@@ -141,6 +143,12 @@ class Chart:
     def count(self, ink):
         """Return how many pixels of a colour there are."""
         return int(self.inked(ink).sum())
+
+    def marked(self):
+        """Return at which part of the width the step that is shown is marked; None: nowhere."""
+        lines = np.flatnonzero(self.inked("accent").mean(axis=0) > 0.3)
+        width = self.over.bounding_box()["width"] - _BOX["left"] - _BOX["right"]
+        return None if not len(lines) else (lines.mean() - _BOX["left"]) / width
 
     def at(self, part):
         """Return the place on the screen at a part of the width."""

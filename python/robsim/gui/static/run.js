@@ -8,9 +8,15 @@ const CHOICES = {
   window: 600, unseen: [], objects: false, columns: [], // of the charts
 };
 
+// ms between two "shown" by frames without rows: what changes faster cannot be read, and each change
+// lays the page out
+const CALM = { playing: 100, running: 300 };
+
 /**
- * More events: "reset" when the steps begin anew; "looking" when another step is looked at; "keys"
- * to show the list of keys; "axis" and "cursor" of the charts. A "frame" that is late is left out.
+ * More events: "reset" when the steps begin anew; "looking" when another step is looked at; "shown"
+ * when numbers, time line and charts go to another step, all at once; "marked" when another step is
+ * marked in the charts; "keys" to show the list of keys; "axis" and "cursor" of the charts. A
+ * "frame" that is late is left out.
  */
 export function makeRunContext(el, send) {
   const wanted = new Set(); // groups of columns
@@ -22,12 +28,19 @@ export function makeRunContext(el, send) {
     store: new Store(), // rows of the trace
     newest: -1, // the newest step
     looking: null, // the past step that is shown; null = the newest
+    shown: -1, // the step that is shown
+    last: -1, // the last step that can be: while it runs the one that is shown
+    marked: null, // the step that is shown if it is not the newest one
     look(k) {
       context.looking = k;
       el.dataset.looking = k == null ? "newest" : "past";
       send({ type: "look", k });
       context.emit("looking");
     },
+    /** Return the time of a step (s). */
+    timeOf: (k) =>
+      (context.frame?.k == k ? context.frame.t : context.store.get("t")?.get(k, 0))
+        ?? k * context.setup.dt,
     /** Ask for groups of columns that are not asked for yet. */
     want(names) {
       const lacking = names.filter((name) => !wanted.has(name));
@@ -38,12 +51,33 @@ export function makeRunContext(el, send) {
       wanting.push(...lacking);
     },
   });
+  let told = -Infinity; // when
+  const tell = () => {
+    const { looking, frame, newest, state, marked } = context;
+    told = performance.now();
+    const isEmpty = newest < 0 && frame?.k != 0; // step 0 is shown before it is done
+    context.shown = looking ?? (isEmpty ? -1 : (frame?.k ?? newest));
+    context.marked = looking ?? (frame?.past ? frame.k : null); // of a trace that is played back
+    const isGrowing = state.state == "running" && context.marked == null;
+    context.last = isGrowing ? context.shown : newest;
+    context.emit("shown");
+    if (context.marked != marked) context.emit("marked");
+  };
   context.on("state", ({ k, resets }) => {
     context.newest = k;
-    if (resets == known) return;
-    known = resets;
-    context.emit("reset");
-    if (context.looking != null) context.look(null);
+    if (resets != known) {
+      known = resets;
+      context.emit("reset");
+      if (context.looking != null) context.look(null);
+    }
+    tell();
+  });
+  context.on("setup looking", tell);
+  context.on("rows", () => (context.marked != null || context.state.state != "running") && tell());
+  context.on("frame", ({ rows, past }) => {
+    const calm = past ? CALM.playing : CALM.running;
+    const isDue = rows.length || context.state.state != "running";
+    if (isDue || performance.now() >= told + calm) tell();
   });
   context.axis = new StepAxis(context); // which steps all charts show
   return context;

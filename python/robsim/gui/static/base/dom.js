@@ -1,7 +1,5 @@
 // Elements, and painting once per animation frame.
 
-const CALM = 100; // ms; what changes faster cannot be read, and each change lays the page out
-
 /** Make an element, "tag.class.class", with attributes, if there are such, and children. */
 export function make(what, ...content) {
   const [tag, ...classes] = what.split(".");
@@ -50,19 +48,6 @@ export function painter(paint) {
       asked = 0;
       paint();
     });
-  };
-}
-
-/** As `painter`, but not oftener than ten times a second. */
-export function calmPainter(paint) {
-  let [last, timer] = [0, 0];
-  const later = painter(() => {
-    last = performance.now();
-    paint();
-  });
-  return () => {
-    clearTimeout(timer);
-    timer = setTimeout(later, Math.max(0, last + CALM - performance.now()));
   };
 }
 

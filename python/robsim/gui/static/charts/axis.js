@@ -12,9 +12,11 @@ export class StepAxis {
     this.context = context;
     this.count = 0; // steps that there are
     this.follows = true;
+    this.end = null;
     this.cursor = null; // a step
     this.toNewest();
-    context.on("rows", () => this.grow(context.store.count));
+    context.on("shown", () => this.grow());
+    context.on("looking", () => this.see(context.looking));
     context.on("reset", () => this.follow());
     context.on("local", (name) => name == "window" && this.follow());
   }
@@ -24,16 +26,30 @@ export class StepAxis {
     return this.context.local.window;
   }
 
-  grow(count) {
+  grow() {
+    const { store, last, marked } = this.context;
+    const count = Math.min(store.count, last + 1); // no further than picture and numbers
+    if (count == this.count && marked == this.end) return;
     if (this.cursor >= count) this.cursor = null; // it was reset
     this.count = count;
     if (this.follows) this.toNewest(true);
   }
 
+  /** Bring the step that is looked at into view, and stay there; null = follow again. */
+  see(k) {
+    if (k === null) return this.follow();
+    this.follows = false;
+    const half = (this.last - this.first) / 2;
+    if (k < this.first || k > this.last) this.holdAt(k - half, k + half);
+    else this.context.emit("axis");
+  }
+
   toNewest(isGrowth = false) {
     const whole = FIRST_SPANS.find((steps) => steps >= this.count) ?? this.count - 1;
     const span = this.window ? Math.min(this.window, whole) : whole;
-    this.show(Math.max(span, this.count - 1) - span, Math.max(span, this.count - 1), isGrowth);
+    this.end = this.context.marked; // where a trace is played back
+    const last = Math.max(span, this.end ?? this.count - 1);
+    this.show(last - span, last, isGrowth);
   }
 
   show(first, last, isGrowth = false) {

@@ -67,6 +67,9 @@ export function makeBoard(context, element, seen) {
     later();
   });
   sight.observe(element);
+  const hint = make("p.robsim-chart-hint", text("chart.hint"));
+  element.append(hint);
+  context.on("shown", () => (hint.hidden = context.newest >= 0 || context.store.count > 0));
 
   const board = {
     context, later,
@@ -96,7 +99,7 @@ export function makeBoard(context, element, seen) {
   context.on("axis", (isGrowth) => (isGrowth ? grow() : later()));
   context.on("theme", later);
   context.on("local", (name) => name == "unseen" && later());
-  context.on("cursor looking", paintLater);
+  context.on("cursor marked", paintLater);
   return board;
 }
 
@@ -112,8 +115,7 @@ function describe(chart, context) {
 
 /** Return a step and its time as a text. */
 function stepText(context, k) {
-  const t = context.store.get("t")?.get(k, 0) ?? k * context.setup.dt;
-  return text("chart.step_and_time", { k, t: t.toFixed(2) });
+  return text("chart.step_and_time", { k, t: context.timeOf(k).toFixed(2) });
 }
 
 /** The values of a chart at the step under the cursor, next to it. */

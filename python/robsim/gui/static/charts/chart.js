@@ -12,8 +12,8 @@ const STEPS_HEIGHT = 22; // px, below a chart that names the steps
 
 /**
  * A layer: `name` (of a text), `series`, `ink` (a custom property without "--robsim-", or "#..."),
- * `kind` "line", "stairs" or "dots", `size` (px) of its dots or line, `isJoined` if a thin line
- * joins its dots, `isAside` if it is not read off in the title; `spread`, a series of its standard
+ * `kind` "line", "stairs" or "dots", `size` (px) of its dots or line, `level` in which it is drawn
+ * (0: the lowest), `isJoined` if a thin line joins its dots, `isAside` if it is not read off in the title; `spread`, a series of its standard
  * deviation, or what becomes that by the factor that `sigma()` returns: twice it is a band in
  * `bandInk`.
  */
@@ -63,7 +63,8 @@ export class Chart {
   get box() {
     const { left, right, bottom } = CHART_MARGIN;
     const [width, height] = this.size;
-    const top = CHART_MARGIN.top + (this.isNarrow ? LINE_BELOW : 0);
+    const above = Math.max(this.isNarrow ? LINE_BELOW : 0, this.beside?.above(this) ?? 0);
+    const top = CHART_MARGIN.top + above;
     const below = this.namesSteps(this) ? STEPS_HEIGHT : bottom;
     return { left, top, width: Math.max(width - left - right, 1),
       height: Math.max(height - top - below, 1) };
@@ -88,26 +89,24 @@ export class Chart {
     for (const { series, spread, sigma, bandInk } of shown)
       if (spread) paintBand(plot, series, spread, sigma?.() ?? 1, ink(bandInk));
     if (this.truth !== null) paintCrosses(plot, this.truth, ink("true"));
-    const lines = shown.filter(({ kind }) => kind != "dots");
-    const dots = shown.filter(({ kind }) => kind == "dots"); // on top
-    for (const { series, kind, size, ink: name } of lines)
-      paintLine(plot, series, ink(name), { isStairs: kind == "stairs", width: size });
-    for (const { series, size, isJoined, ink: name } of dots)
-      paintDots(plot, series, ink(name), { size, isJoined });
+    for (const { series, kind, size, isJoined, ink: name } of [...shown].sort(byLevel)) {
+      if (kind == "dots") paintDots(plot, series, ink(name), { size, isJoined });
+      else paintLine(plot, series, ink(name), { isStairs: kind == "stairs", width: size });
+    }
     if (!this.isRobust && !this.range) return;
     for (const { series, ink: name } of shown) paintBeyond(plot, series, ink(name));
   }
 
   /** Draw the cursor and the step that is looked at. */
-  paintOver({ axis, ink, looking }) {
+  paintOver({ axis, ink, marked }) {
     if (!this.plot) return;
-    const k = axis.cursor ?? looking ?? (this.readsNewest ? axis.count - 1 : null);
+    const k = axis.cursor ?? marked ?? (this.readsNewest ? axis.count - 1 : null);
     const bare = k === null ? String(this.size) : "";
     if (bare && bare == this.bare) return;
     this.bare = bare;
     if (bare) return emptyCanvas(this.over, this.size);
     const g = cleanCanvas(this.over, this.size);
-    if (looking !== null) this.drawLooked(g, looking, ink);
+    if (marked !== null) this.drawLooked(g, marked, ink);
     if (axis.cursor !== null) this.drawCursor(g, axis.cursor, ink);
     if (k !== null) drawReadings(g, this, this.shown, k, ink);
   }
@@ -153,6 +152,8 @@ export class Chart {
     g.stroke();
   }
 }
+
+const byLevel = ({ level: one = 0 }, { level: other = 0 }) => one - other;
 
 /** Draw within a box alone. */
 export function clipped(g, { left, top, width, height }, draw) {

@@ -58,8 +58,8 @@ function nearestHeld({ shown, plot }, [x, y]) {
 
 function resetChart(chart, board) {
   chart.range = null;
-  if (board.context.looking !== null) board.context.look(null);
-  board.context.axis.follow();
+  if (board.context.looking === null) board.context.axis.follow();
+  else board.context.look(null);
 }
 
 function zoomChart(chart, board, at, factor) {
@@ -74,7 +74,7 @@ function pressKey(chart, board, event) {
   const { context } = board;
   const { axis } = context;
   if (!chart.plot) return false;
-  const here = axis.cursor ?? context.looking ?? Math.min(axis.count - 1, Math.floor(axis.last));
+  const here = axis.cursor ?? context.marked ?? Math.min(axis.count - 1, Math.floor(axis.last));
   const move = (k) => board.point(k, chart, true);
   const steps = event.shiftKey ? KEY_JUMP : 1;
   const keys = {

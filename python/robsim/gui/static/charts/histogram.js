@@ -7,21 +7,37 @@ import { decimalText, numberText } from "./scale.js";
 const HISTOGRAM_WIDTH = 112; // px
 const LONGEST_BAR = HISTOGRAM_WIDTH - 14; // px
 const TEXT_HEIGHT = 14; // px
-const LOW = 150; // px of a chart in which the numbers stand beside the bars: they would hide them
 const NUMBERS_WIDTH = 82; // px
+const LOW = 150; // px of a chart in which the numbers stand beside the bars, else above them
+const WIDE = 470; // px of a chart that has room for them beside the bars
 // they are called as their inks
 const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" };
 
 export class Histogram {
   element = make("canvas.robsim-histogram", { role: "img" });
   errors = []; // {of, n, mean, std, low, high, counts}
+  first = null; // steps, of which they are
+  last = null;
+  width = HISTOGRAM_WIDTH; // px
+
+  shownOf({ shown }) {
+    return this.errors.filter(({ of }) => shown.some(({ name }) => name == SOURCE_LAYERS[of]));
+  }
+
+  isBeside({ size: [width, height] }) {
+    return height < LOW || width + this.width >= WIDE;
+  }
+
+  /** How many px of a chart the numbers need above the bars. */
+  above(chart) {
+    return this.isBeside(chart) ? 0 : 2 * TEXT_HEIGHT * this.shownOf(chart).length;
+  }
 
   paint(chart, ink) {
     const { box, plot } = chart;
-    const width = HISTOGRAM_WIDTH + (chart.size[1] < LOW ? NUMBERS_WIDTH : 0);
-    const g = cleanCanvas(this.element, [width, chart.size[1]]);
-    const shown = this.errors.filter(({ of }) =>
-      chart.shown.some(({ name }) => name == SOURCE_LAYERS[of]));
+    const shown = this.shownOf(chart);
+    this.width = HISTOGRAM_WIDTH + (this.isBeside(chart) ? NUMBERS_WIDTH : 0);
+    const g = cleanCanvas(this.element, [this.width, chart.size[1]]);
     g.lineWidth = 1 / plot.ratio;
     g.strokeStyle = ink("line");
     g.strokeRect(plot.crisp(0), plot.crisp(box.top), HISTOGRAM_WIDTH - 10, box.height);
@@ -29,7 +45,7 @@ export class Histogram {
       for (const error of shown) drawBars(g, plot, error, ink(SOURCE_LAYERS[error.of]));
       for (const error of shown) drawBell(g, plot, error, ink(SOURCE_LAYERS[error.of]));
     });
-    if (shown.length) writeNumbers(g, [width, box.top], shown, ink);
+    if (shown.length) writeNumbers(g, this.width, shown, ink);
     this.describe(chart.title, shown);
   }
 
@@ -39,8 +55,10 @@ export class Histogram {
       name: text(`chart.error_${SOURCE_LAYERS[of]}`),
       n, mean: momentText(mean, std), std: momentText(std, std),
     }));
-    const label = [text("chart.histogram", { title }), ...words].join(", ");
-    if (this.element.ariaLabel != label) this.element.ariaLabel = label;
+    const { first, last, element } = this;
+    const steps = shown.length ? text("chart.count.title", { n: shown[0].n, first, last }) : "";
+    const label = [text("chart.histogram", { title }), ...words, steps].filter(Boolean).join(", ");
+    if (element.ariaLabel != label) Object.assign(element, { ariaLabel: label, title: steps });
   }
 }
 
@@ -88,17 +106,12 @@ function drawBell(g, plot, error, stroke) {
   g.stroke();
 }
 
-/** Write the numbers at the right, below a top. */
-function writeNumbers(g, [width, top], errors, ink) {
-  g.save();
+/** Write the numbers at the right. */
+function writeNumbers(g, width, errors, ink) {
   g.font = ink("chart-font");
-  g.lineWidth = 3;
-  g.lineJoin = "round";
-  g.strokeStyle = ink("raised"); // a rim, for bars may lie below
   const put = (word, x, y, align, fill) => {
     g.textAlign = align;
     g.fillStyle = ink(fill);
-    g.strokeText(word, x, y);
     g.fillText(word, x, y);
   };
   const write = (y, name, value, color) => {
@@ -107,9 +120,8 @@ function writeNumbers(g, [width, top], errors, ink) {
   };
   write(TEXT_HEIGHT, text("chart.count"), String(errors[0].n), "text");
   errors.forEach(({ of, mean, std }, i) => {
-    const y = top + TEXT_HEIGHT * (1 + 2 * i);
+    const y = TEXT_HEIGHT * (2 + 2 * i);
     write(y, text("chart.mean"), momentText(mean, std), SOURCE_LAYERS[of]);
     write(y + TEXT_HEIGHT, text("chart.std"), momentText(std, std), SOURCE_LAYERS[of]);
   });
-  g.restore();
 }

@@ -8,8 +8,11 @@ const WINDOWS = [200, 600, 2000, 0]; // steps; 0 = all
 /** Make the button that follows the newest step, and the choice of how many are shown. */
 export function makeStepControls(context) {
   const { axis } = context;
-  const follow = makeTextButton("follow", "", () =>
-    (axis.follows ? axis.hold() : axis.follow()), "chart.follow");
+  const follow = makeTextButton("follow", "", () => {
+    if (axis.follows) axis.hold();
+    else if (context.looking == null) axis.follow();
+    else context.look(null);
+  }, "chart.follow");
   const choices = WINDOWS.map((n) => {
     const textContent = n ? text("chart.last_steps", { n }) : text("chart.all_steps");
     return make("option", { value: String(n), textContent });

@@ -17,10 +17,11 @@ const QUANTITIES = [
   { name: "heading", unit: "\u00b0", least: 2, scale: DEGREES, isAngle: true },
 ];
 const SOURCES = {
-  true: { name: "true", ink: "true", kind: "line", size: 3 },
-  measured: { name: "measured", ink: "measured", kind: "dots", size: 2 },
-  estimated: { name: "estimated", ink: "estimated", kind: "line" },
-  held: { name: "held", ink: "held", kind: "dots", size: 3 },
+  // The truth is a thin line on broader ones: where they agree all of them are seen.
+  true: { name: "true", ink: "true", kind: "line", size: 1.25, level: 3 },
+  measured: { name: "measured", ink: "measured", kind: "dots", size: 4, level: 1 },
+  estimated: { name: "estimated", ink: "estimated", kind: "line", size: 2.5, level: 2 },
+  held: { name: "held", ink: "held", kind: "dots", size: 3, level: 4 },
 };
 
 /** Return the layers of x (i = 0), y or the heading. */
@@ -49,8 +50,8 @@ function errorLayers({ store }, i) {
   };
   const against = (group) => new Series(store, [group, "pose_true"], error);
   return [
-    { ...SOURCES.measured, series: against("pose_measured"), isJoined: true },
-    { ...SOURCES.estimated, series: against("pose_estimated") },
+    { ...SOURCES.measured, series: against("pose_measured"), size: 2, isJoined: true },
+    { ...SOURCES.estimated, series: against("pose_estimated"), size: 1.5 },
   ];
 }
 
@@ -122,7 +123,7 @@ export function makeTraces(context) {
     charts.showObjects();
     ask();
   });
-  context.on("statistics", ({ errors }) => charts.tell(errors));
+  context.on("statistics", (message) => charts.tell(message));
   return { element };
 }
 
@@ -159,10 +160,10 @@ function makeTraceCharts(context, board, grid) {
     });
     showObjects();
   };
-  const tell = (errors) => {
+  const tell = ({ first, last, errors }) => {
     QUANTITIES.forEach(({ name }, i) => {
-      const histogram = beside[i]?.beside;
-      if (histogram) histogram.errors = errors.filter((error) => error.name == name);
+      const own = errors.filter((error) => error.name == name);
+      Object.assign(beside[i]?.beside ?? {}, { first, last, errors: own });
     });
     board.later();
   };

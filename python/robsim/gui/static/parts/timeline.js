@@ -1,6 +1,6 @@
 // The time line: which step is shown, any past one or the newest, and where the robot was not seen.
 import { makeButton } from "../base/buttons.js";
-import { calmPainter, make, painter, text } from "../base/dom.js";
+import { make, painter, text } from "../base/dom.js";
 import { makeSlider, showSlider } from "../base/fields.js";
 
 const TICK_HEIGHT = 6; // px, as in timeline.css
@@ -19,12 +19,8 @@ export function makeTimeline(context) {
 
   let moved = null; // where the slider was just put; Infinity = at its end, though the run goes on
 
-  const last = () => Math.max(context.newest, 0);
-  const shown = () => {
-    const { frame, looking } = context;
-    const past = frame?.past ? frame.k : last(); // of a trace that is played back
-    return Math.min(moved ?? looking ?? past, last());
-  };
+  const last = () => Math.max(context.last, 0);
+  const shown = () => Math.min(moved ?? Math.max(context.shown, 0), last());
   const look = painter(() => {
     const k = moved;
     moved = null;
@@ -35,7 +31,7 @@ export function makeTimeline(context) {
     look();
   });
 
-  const show = calmPainter(() => {
+  const show = painter(() => {
     const [to, k] = [last(), shown()];
     slider.max = String(to);
     slider.disabled = context.newest < 1;
@@ -47,7 +43,7 @@ export function makeTimeline(context) {
     const poses = ["pose_measured", "pose_held"].map((name) => context.store.get(name));
     ticks.paint(unseen(...poses), to, context.ink("held"));
   });
-  context.on("setup state frame rows looking theme", show);
+  context.on("shown theme", show);
   context.on("setup", () => context.want(["pose_measured", "pose_held"]));
   new ResizeObserver(([{ contentRect }]) => {
     ticks.resize(contentRect.width);

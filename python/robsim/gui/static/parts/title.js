@@ -1,6 +1,6 @@
 // The top line: what runs, its state, step and time; theme and colours of this view.
 import { makeButton, makeLooks } from "../base/buttons.js";
-import { calmPainter, isPage, make, text } from "../base/dom.js";
+import { isPage, make, painter, text } from "../base/dom.js";
 import { icon } from "../base/icons.js";
 
 const MOODS = { running: "good", failed: "bad", stopped: "bad", ended: "warning" };
@@ -14,12 +14,10 @@ export function makeTitle(context) {
   const element = make("header.robsim-title",
     icon("robot"), name, state, step, time, makeLooks(context, keys));
 
-  const count = calmPainter(() => {
-    const { frame, newest } = context;
-    const isEmpty = newest < 0 && frame?.k != 0; // step 0 is shown before it is done
-    step.textContent = text("step.number", { k: isEmpty ? "–" : (frame?.k ?? newest) });
-    time.textContent = text("time",
-      { t: isEmpty ? "–" : (frame?.t ?? context.state.t ?? 0).toFixed(1) });
+  const count = painter(() => {
+    const { shown } = context;
+    step.textContent = text("step.number", { k: shown < 0 ? "–" : shown });
+    time.textContent = text("time", { t: shown < 0 ? "–" : context.timeOf(shown).toFixed(1) });
   });
   context.on("setup", ({ title }) => {
     name.textContent = name.title = title;
@@ -30,8 +28,7 @@ export function makeTitle(context) {
     if (state.dataset.state != shown) state.textContent = text(`state.${shown}`);
     state.dataset.state = shown;
     state.className = `robsim-chip robsim-title-state robsim-${MOODS[shown] ?? "quiet"}`;
-    count();
   });
-  context.on("frame", count);
+  context.on("shown", count);
   return { element };
 }
