@@ -69,7 +69,7 @@ export function makeBoard(context, element, seen) {
   sight.observe(element);
   const hint = make("p.robsim-chart-hint", text("chart.hint"));
   element.append(hint);
-  context.on("shown", () => (hint.hidden = context.newest >= 0 || context.store.count > 0));
+  context.on("shown", () => (hint.hidden = context.state.steps > 0 || context.store.count > 0));
 
   const board = {
     context, later,

@@ -30,13 +30,14 @@ export class Histogram {
 
   /** How many px of a chart the numbers need above the bars. */
   above(chart) {
-    return this.isBeside(chart) ? 0 : 2 * TEXT_HEIGHT * this.shownOf(chart).length;
+    return this.isBeside(chart) ? 0 : TEXT_HEIGHT * this.shownOf(chart).length;
   }
 
   paint(chart, ink) {
     const { box, plot } = chart;
     const shown = this.shownOf(chart);
-    this.width = HISTOGRAM_WIDTH + (this.isBeside(chart) ? NUMBERS_WIDTH : 0);
+    const isBeside = this.isBeside(chart);
+    this.width = HISTOGRAM_WIDTH + (isBeside ? NUMBERS_WIDTH : 0);
     const g = cleanCanvas(this.element, [this.width, chart.size[1]]);
     g.lineWidth = 1 / plot.ratio;
     g.strokeStyle = ink("line");
@@ -45,7 +46,7 @@ export class Histogram {
       for (const error of shown) drawBars(g, plot, error, ink(SOURCE_LAYERS[error.of]));
       for (const error of shown) drawBell(g, plot, error, ink(SOURCE_LAYERS[error.of]));
     });
-    if (shown.length) writeNumbers(g, this.width, shown, ink);
+    if (shown.length) writeNumbers(g, { width: this.width, isBeside, errors: shown, ink });
     this.describe(chart.title, shown);
   }
 
@@ -106,22 +107,19 @@ function drawBell(g, plot, error, stroke) {
   g.stroke();
 }
 
-/** Write the numbers at the right. */
-function writeNumbers(g, width, errors, ink) {
+/** Write the numbers at the right, beside the bars or above them. */
+function writeNumbers(g, { width, isBeside, errors, ink }) {
   g.font = ink("chart-font");
-  const put = (word, x, y, align, fill) => {
+  const room = width - (isBeside ? HISTOGRAM_WIDTH : 0) - 12; // a longer word is squeezed
+  const put = (word, line, fill, align = "right") => {
     g.textAlign = align;
     g.fillStyle = ink(fill);
-    g.fillText(word, x, y);
+    g.fillText(word, align == "left" ? 0 : width - 12, TEXT_HEIGHT * line, room);
   };
-  const write = (y, name, value, color) => {
-    put(name, width - HISTOGRAM_WIDTH + 12, y, "left", "quiet");
-    put(value, width - 14, y, "right", color);
-  };
-  write(TEXT_HEIGHT, text("chart.count"), String(errors[0].n), "text");
-  errors.forEach(({ of, mean, std }, i) => {
-    const y = TEXT_HEIGHT * (2 + 2 * i);
-    write(y, text("chart.mean"), momentText(mean, std), SOURCE_LAYERS[of]);
-    write(y + TEXT_HEIGHT, text("chart.std"), momentText(std, std), SOURCE_LAYERS[of]);
-  });
+  const first = isBeside ? 2 : 1;
+  put(text("chart.count", { n: errors[0].n }), 1, "text", isBeside ? "right" : "left");
+  put(text("chart.moments_key"), first, "quiet");
+  errors.forEach(({ of, mean, std }, i) =>
+    put(text("chart.moments", { mean: momentText(mean, std), std: momentText(std, std) }),
+      first + 1 + i, SOURCE_LAYERS[of]));
 }

@@ -143,7 +143,7 @@ export function paintDots(plot, series, ink, { size, isJoined = false }) {
     paintLine(plot, series, ink, { width: 1 });
     g.globalAlpha = 1;
   }
-  const side = Math.min(Math.max(size, plot.perStep * 0.6), 2 * size);
+  const side = Math.min(Math.max(size, plot.perStep * 0.6), size + 2);
   const isRound = side >= 3;
   g.fillStyle = ink;
   g.beginPath();

@@ -18,9 +18,9 @@ const QUANTITIES = [
 ];
 const SOURCES = {
   // The truth is a thin line on broader ones: where they agree all of them are seen.
-  true: { name: "true", ink: "true", kind: "line", size: 1.25, level: 3 },
-  measured: { name: "measured", ink: "measured", kind: "dots", size: 4, level: 1 },
-  estimated: { name: "estimated", ink: "estimated", kind: "line", size: 2.5, level: 2 },
+  true: { name: "true", ink: "true", kind: "line", level: 3 },
+  measured: { name: "measured", ink: "measured", kind: "dots", size: 5, level: 1 },
+  estimated: { name: "estimated", ink: "estimated", kind: "line", size: 3, level: 2 },
   held: { name: "held", ink: "held", kind: "dots", size: 3, level: 4 },
 };
 
