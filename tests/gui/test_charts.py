@@ -158,7 +158,7 @@ def test_one_cursor_goes_through_time_line_numbers_and_charts(show):
     assert "step 1990 " in Chart(host, "x px").key("End")
     host.tab.evaluate("document.activeElement.blur()")
     slider = host.tab.locator("input[name=timeline]")
-    slider.evaluate("e => { e.value = 300; e.dispatchEvent(new Event('input')); }")
+    slider.fill("300")
     settle(host)
     assert looks(host) == [300]
     assert not follows(host)

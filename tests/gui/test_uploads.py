@@ -2,7 +2,6 @@
 
 import io
 import json
-import sys
 import threading
 import zlib
 from contextlib import ExitStack
@@ -20,6 +19,7 @@ from page_client import BINARY, greeted
 from python_devices import PATIENT, SteppedCamera
 from robsim.gui.hosts.serving import packed_message, unpacked_message
 from robsim.vision import load_robot
+from robsim.vision.imaging import images
 from waiting import wait_for
 
 FLOOR = np.full((30, 40, 3), (120, 122, 118), np.uint8)
@@ -174,20 +174,20 @@ def test_only_so_many_come_at_the_same_time(view, browser):
     for key in "1234":
         browser.say("upload", b"x", **first_part(key=key))
     browser.say("upload", b"x", **first_part(key="5"))
-    assert "too many pictures" in browser.take("uploaded", state="refused")[0]["text"]
+    assert "too many files" in browser.take("uploaded", state="refused")[0]["text"]
     assert len(waiting(view)) == 4
 
 
 def test_what_is_given_up_while_it_is_decoded_is_not_shown(view, browser, monkeypatch):
     decoding, go_on = threading.Event(), threading.Event()
-    decoded = sys.modules[UPLOADS].decoded
+    decoded = images.decoded
 
     def slow(*arguments):
         decoding.set()
         assert go_on.wait(300)
         return decoded(*arguments)
 
-    monkeypatch.setattr(f"{UPLOADS}.decoded", slow)
+    monkeypatch.setattr(images, "decoded", slow)
     content = png(OTHER)
     browser.say("upload", content, **first_part(content))
     assert decoding.wait(300)

@@ -26,6 +26,7 @@ from robsim.gui._link import (
     text,
     whole,
 )
+from robsim.gui.tools.uploads import UPLOAD_MESSAGES
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
@@ -98,6 +99,10 @@ MESSAGES: Messages = {
     "source": {"slot": text},
     "edit": {"slot": text},
     "animate": {"on": switch},
+    "keep": {},
+    "reference": {},
+    "drop_ghost": {"name": text},
+    **UPLOAD_MESSAGES,
     "tool": {"name": maybe(text)},
     "use_tool": {},
     "tell_tool": {"name": text, "message": message, "buffers": buffers_of_message},

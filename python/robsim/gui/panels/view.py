@@ -14,6 +14,7 @@ from robsim.estimation.identification.batch import BatchEstimate
 from robsim.gui._driver import SPEED, Driver, Playback
 from robsim.gui._link import Link, Messages, Refused
 from robsim.gui._view import RETRY, View
+from robsim.gui.panels.analysis.ghosts import Ghosts
 from robsim.gui.panels.analysis.inspector import Inspector
 from robsim.gui.panels.analysis.past import Past
 from robsim.gui.panels.analysis.result import Parameters, Result
@@ -54,7 +55,7 @@ class PanelView(View):
         self._was_running = self._is_change_waiting = False
         self.rows, self.past, self._result = Rows(self), Past(self), Result(self)
         self.camera, self.still = CameraView(self), Still(self)
-        kinds = [Transport, Controls, Statistics, Parameters, Inspector]
+        kinds = [Transport, Controls, Statistics, Parameters, Inspector, Ghosts]
         if not isinstance(self.runner, Playback):
             kinds.append(Callbacks)
         if isinstance(self.runner, Simulation):

@@ -13,10 +13,10 @@ const CHOICES = {
 const CALM = { playing: 100, running: 300 };
 
 /**
- * More events: "reset" when the steps begin anew; "looking" when another step is looked at; "shown"
- * when numbers, time line and charts go to another step, all at once; "marked" when another step is
- * marked in the charts; "keys" to show the list of keys; "axis" and "cursor" of the charts. A
- * "frame" that is late is left out.
+ * More events. "reset": the steps begin again. "looking": another step is looked at. "shown":
+ * numbers, time line and charts go to another step, all at once. "marked": another step is marked
+ * in the charts. "keys" shows the list of keys. "axis" and "cursor" are of the charts. A "frame"
+ * that is late is left out.
  */
 export function makeRunContext(el, send) {
   const wanted = new Set(); // groups of columns
@@ -26,6 +26,7 @@ export function makeRunContext(el, send) {
   Object.assign(context, {
     state: { state: "paused", k: -1, steps: 0, values: {} },
     store: new Store(), // rows of the trace
+    ghosts: [], // other runs, {name, ink, rows: pose and error}
     newest: -1, // the newest step
     looking: null, // the past step that is shown; null = the newest
     shown: -1, // the step that is shown
@@ -73,6 +74,13 @@ export function makeRunContext(el, send) {
     tell();
   });
   context.on("setup looking", tell);
+  context.on("ghosts", ({ names }, buffers) => {
+    context.ghosts = names.map((name, i) => {
+      const rows = new Rows(6);
+      rows.put(0, asFloats(buffers[i]));
+      return { name, ink: `ghost-${i + 1}`, rows };
+    });
+  });
   context.on("rows", () => (context.marked != null || context.state.state != "running") && tell());
   context.on("frame", ({ rows, past }) => {
     const calm = past ? CALM.playing : CALM.running;

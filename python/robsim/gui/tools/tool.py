@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import re
@@ -75,7 +76,7 @@ class ToolView(View):
         self._over = ""  # why no more pictures come
         self._own = source  # that it began with; what follows is of that one
         self._left: tuple[Picture | None, bool] = (None, False)  # when it was replaced
-        self._uploads = Uploads(self)
+        self._uploads = Uploads(self.beside("robsim upload"), self._uploaded)
 
     def begin(self) -> None:
         """Take the pictures of the source from now on."""
@@ -176,6 +177,9 @@ class ToolView(View):
     def load_picture(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
         """Take a picture as if it were loaded in a browser; any thread may call this."""
         self.ask(self.prepared(*given_picture(picture)))
+
+    def _uploaded(self, content: bytes, name: str) -> Callable[[], object]:
+        return self.prepared(images.decoded(io.BytesIO(content), name), name)
 
     def prepared(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         """Prepare a picture as `loading` does; ValueError where memory is lacking, too."""

@@ -1,21 +1,17 @@
-"""Pictures that come from browsers in parts: put together and decoded in memory."""
+"""Files that come from browsers in parts: put together and decoded in memory."""
 
 from __future__ import annotations
 
-import io
 import math
 import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robsim.base.text import one_line
 from robsim.gui._link import Link, Messages, Refused, one_buffer, text, whole
-from robsim.vision.imaging.images import decoded
-
-if TYPE_CHECKING:
-    from robsim.gui.tools.tool import ToolView
+from robsim.gui._worker import Beside
 
 _LONGEST_NAME = 200  # characters
 MOST_BYTES = 64_000_000  # of a file
@@ -23,7 +19,7 @@ MOST_OF_A_PART = 1 << 19  # bytes
 _MOST_FILES = 4  # of all browsers, which are here in part or wait to be decoded
 PATIENCE = 60.0  # s for the next part
 
-#: What a tool takes of a browser for them.
+#: The messages of browsers about them.
 UPLOAD_MESSAGES: Messages = {
     "upload": {
         "key": text,
@@ -66,17 +62,18 @@ class Upload:
 
 
 class Uploads:
-    """The pictures that come to a tool, in the thread of its view.
+    """The files that come to a panel, in the thread of its view.
 
     A part is answered before the browser sends the next one; what stalls, is given up, or whose
-    line goes is forgotten. One after another is decoded beside the thread.
+    line goes is forgotten. One after another is read beside the thread: `read(content, name)`
+    returns what takes it over in the thread, or raises ValueError.
     """
 
-    def __init__(self, tool: ToolView) -> None:
-        self._tool = tool
+    def __init__(self, beside: Beside, read: Callable[[bytes, str], Callable[[], object]]) -> None:
+        self._read_file = read
         self._coming: dict[tuple[Link, str], Upload] = {}
         self._complete: deque[Upload] = deque()  # the first one is being decoded
-        self._beside = tool.beside("robsim upload")
+        self._beside = beside
 
     def take(self, link: Link, message: dict[str, Any]) -> None:
         """Take a part, and answer it."""
@@ -122,7 +119,7 @@ class Uploads:
             most = MOST_BYTES // 1_000_000
             raise Refused(f"{name} has {size / 1e6:.1f} MB; at most {most} MB are taken")
         if len(self._coming) + len(self._complete) >= _MOST_FILES:
-            raise Refused("too many pictures come at the same time: load it again in a moment")
+            raise Refused("too many files come at the same time: load it again in a moment")
         upload = Upload(link, message["id"], key, name, size)
         self._coming[link, key] = upload
         return upload
@@ -135,8 +132,7 @@ class Uploads:
             if not upload.is_wanted:
                 return ""
             try:
-                pixels = decoded(io.BytesIO(upload.content), upload.name)
-                return self._tool.prepared(pixels, upload.name)
+                return self._read_file(bytes(upload.content), upload.name)
             except ValueError as error:
                 return str(error)
 

@@ -17,6 +17,8 @@ const LONGEST_TRAIL = 2000; // steps; more would cover the floor
  */
 export const makeOverlays = () => [
   { name: "path_driven", shown: true, color: "measured", columns: pathColumns, draw: makeTrail() },
+  { name: "ghosts", shown: true, color: "ghost-1", draw: drawGhosts },
+  { name: "pointed", shown: true, color: "quiet", draw: drawPointed },
   { name: "object_trace", shown: true, columns: blobColumns, draw: drawObjectTrace },
   { name: "planned", shown: true, color: "other-5", is: hasGoals, draw: drawPlanned },
   { name: "boxes", shown: true, draw: drawBoxes },
@@ -90,6 +92,40 @@ function drawHeld(scene) {
 function drawTruth(scene) {
   outlineAt(scene, scene.frame.truth, "true", { dash: DASH }); // lower lines show
   headingAt(scene, scene.frame.truth, "true", { dash: DASH });
+}
+
+/** Where other runs were at this step, or at their last one: outline, heading, the way there. */
+function drawGhosts(scene) {
+  const { pen, frame, context, ink } = scene;
+  for (const { ink: name, rows } of context.ghosts) {
+    const k = Math.min(frame.k, rows.count - 1);
+    const pose = (at) => [0, 1, 2].map((field) => rows.get(at, field));
+    if (k < 0 || Number.isNaN(pose(k)[0])) continue;
+    pen.globalAlpha = 0.35;
+    const outline = context.setup.robot.outline.map((point) =>
+      scene.place(fromRobot(pose(k), point)));
+    fillArea(pen, outline, ink(name));
+    pen.globalAlpha = k < frame.k ? 0.4 : 0.75;
+    const first = Math.max(0, k - TRACED_STEPS);
+    const way = Array.from({ length: k + 1 - first }, (_, i) => scene.place(pose(first + i)));
+    drawLine(scene, way, ink(name), { width: 1 });
+    headingAt(scene, pose(k), name, { width: 1.5 });
+    outlineAt(scene, pose(k), name);
+    pen.globalAlpha = 1;
+  }
+}
+
+/** Where the robot was at the step under the cursor of a chart. */
+function drawPointed(scene) {
+  const { axis, store } = scene.context;
+  for (const name of ["pose_true", "pose_measured", "pose_held"]) {
+    const rows = store.get(name);
+    if (axis.cursor === null || !(axis.cursor < rows?.count)) continue;
+    const pose = [0, 1, 2].map((field) => rows.get(axis.cursor, field));
+    if (Number.isNaN(pose[0])) continue;
+    outlineAt(scene, pose, "quiet", { dash: DASH });
+    return headingAt(scene, pose, "quiet", { dash: DASH });
+  }
 }
 
 function drawBoxes(scene) {

@@ -8,15 +8,16 @@ const HISTOGRAM_WIDTH = 112; // px
 const LONGEST_BAR = HISTOGRAM_WIDTH - 14; // px
 const TEXT_HEIGHT = 14; // px
 const NUMBERS_WIDTH = 82; // px
-const LOW = 150; // px of a chart in which the numbers stand beside the bars, else above them
-const WIDE = 470; // px of a chart that has room for them beside the bars
+// px of a low or a wide chart: the numbers stand beside its bars, in others above them
+const LOW = 150;
+const WIDE = 470;
 // they are called as their inks
 const SOURCE_LAYERS = { measurement: "measured", estimate: "estimated" };
 
 export class Histogram {
   element = make("canvas.robsim-histogram", { role: "img" });
   errors = []; // {of, n, mean, std, low, high, counts}
-  first = null; // steps, of which they are
+  first = null; // the steps that are counted
   last = null;
   width = HISTOGRAM_WIDTH; // px
 

@@ -5,6 +5,7 @@ import { makeField } from "../base/fields.js";
 import { makeBoard } from "./board.js";
 import { Chart } from "./chart.js";
 import { fieldSeries, makeColumnCharts } from "./columns.js";
+import { ghostLayers, makeGhostControls } from "./ghosts.js";
 import { Histogram } from "./histogram.js";
 import { DEGREES, Series, wrappedDegrees } from "./series.js";
 import { makeLegend, makeStepControls } from "./toolbar.js";
@@ -112,7 +113,8 @@ export function makeTraces(context) {
   const menu = makeColumnCharts(context, board, grid);
   const legend = makeLegend(context, Object.values(SOURCES),
     (name) => name != "true" || context.setup.has_truth);
-  tools.append(...makeStepControls(context), legend, makeObjectSwitch(context), menu);
+  tools.append(...makeStepControls(context), legend, makeObjectSwitch(context), menu,
+    ...makeGhostControls(context));
 
   context.on("setup", () => {
     charts.build();
@@ -120,9 +122,10 @@ export function makeTraces(context) {
   });
   context.on("local", (name) => {
     if (name != "objects" || !context.setup) return;
-    charts.showObjects();
+    charts.arrange();
     ask();
   });
+  context.on("ghosts", charts.arrange);
   context.on("statistics", (message) => charts.tell(message));
   return { element };
 }
@@ -139,11 +142,16 @@ function traceGroups({ setup, local }) {
  */
 function makeTraceCharts(context, board, grid) {
   let [poses, beside] = [[], []];
-  const showObjects = () => {
-    poses.slice(0, 2).forEach((chart, i) => {
-      const layers = chart.layers.filter(({ name }) => name in SOURCES);
-      chart.layers = context.local.objects ? [...objectLayers(context, i), ...layers] : layers;
+  const arrange = () => {
+    const own = ({ layers }) => layers.filter(({ name }) => name in SOURCES);
+    poses.forEach((chart, i) => {
+      const objects = context.local.objects && i < 2 ? objectLayers(context, i) : [];
+      chart.layers = [...ghostLayers(context, i, QUANTITIES[i]), ...objects, ...own(chart)];
     });
+    if (context.setup?.has_truth)
+      beside.forEach((chart, i) => {
+        chart.layers = [...ghostLayers(context, i, QUANTITIES[i], true), ...own(chart)];
+      });
     board.later();
   };
   const build = () => {
@@ -158,7 +166,7 @@ function makeTraceCharts(context, board, grid) {
       chart.element.style.setProperty("--robsim-place", String(i)); // one below the other
       board.add(chart);
     });
-    showObjects();
+    arrange();
   };
   const tell = ({ first, last, errors }) => {
     QUANTITIES.forEach(({ name }, i) => {
@@ -167,7 +175,7 @@ function makeTraceCharts(context, board, grid) {
     });
     board.later();
   };
-  return { build, showObjects, tell };
+  return { build, arrange, tell };
 }
 
 /** Make the switch of the objects' traces. */

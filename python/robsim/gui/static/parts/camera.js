@@ -29,6 +29,7 @@ export function makeCamera(context) {
   };
   hands.push({ hover, draw, key: tools.key }, tools.hand);
 
+  context.on("cursor ghosts", picture.later);
   const subscribe = () => context.setup && context.want(columnsFor(overlays, context));
   context.on("setup local", subscribe);
 

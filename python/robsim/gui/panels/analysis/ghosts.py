@@ -1,0 +1,139 @@
+"""Ghosts: other runs, which drive along in the picture and in the charts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.control import FollowPath, GoToPoint
+from robsim.estimation.evaluation.errors import wrapped_error
+from robsim.gui._link import Link, Refused
+from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.settings.estimator import default_estimator, why_no_default
+from robsim.gui.tools.uploads import Uploads
+from robsim.simulation import Scenario, Simulation
+from robsim.trace import Trace
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
+_MOST = 3
+_MOST_STEPS = 20_000  # of each
+_REFERENCE_STEPS = (300, 3000)  # the fewest and the most: a step takes about 2 ms
+
+
+@dataclass(frozen=True, eq=False)
+class Ghost:
+    """A run that drives along: pose, and the error of its estimate or measurement."""
+
+    name: str
+    rows: Floats  # (N, 6): px, px, rad, twice
+
+    @staticmethod
+    def of(name: str, trace: Trace) -> Ghost:
+        """Return that of a trace; ValueError if it does not begin with step 0."""
+        if not len(trace):
+            raise ValueError("nothing has run yet")
+        if first := int(trace.k[0]):
+            raise ValueError(f"it begins with step {first}, not 0")
+        part = trace.in_unit("px")[:_MOST_STEPS]
+        true, measured, estimated = part.pose_true, part.pose_measured, part.pose_estimated
+        found = estimated if np.isfinite(estimated).any() else measured
+        poses = np.where(np.isfinite(true), true, found)
+        return Ghost(name, np.hstack([poses, wrapped_error(found, true)]))
+
+
+class Ghosts(Part):
+    """Keeps up to three other runs, and tells the browsers their poses and errors."""
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self._ghosts: list[Ghost] = []
+        self._kept = 0  # runs by now, for their names
+        self._reference = panel.beside("robsim reference")
+        self._uploads = Uploads(panel.beside("robsim upload"), self._read)
+
+    def handlers(self) -> Handlers:
+        return {
+            "keep": self._keep,
+            "reference": self._drive,
+            "drop_ghost": self._drop,
+            "upload": self._uploads.take,
+            "give_up": self._uploads.give_up,
+        }
+
+    def greet(self, link: Link) -> None:
+        if self._ghosts:
+            head, *buffers = self._told()
+            link.send(head, buffers)
+
+    def look(self, now: float) -> float:
+        self._uploads.drop(lambda one: one.link not in self.panel.links)
+        return self._uploads.look(now)
+
+    def _keep(self, link: Link, message: dict[str, Any]) -> None:
+        self._check_room()
+        try:
+            ghost = Ghost.of(f"run {self._kept + 1}", self.panel.record.trace)
+        except ValueError as error:
+            raise Refused(f"there is no run to keep: {error}") from None
+        self._kept += 1
+        self._add(ghost)
+
+    def _drop(self, link: Link, message: dict[str, Any]) -> None:
+        self._ghosts = [ghost for ghost in self._ghosts if ghost.name != message["name"]]
+        self.panel.send(*self._told())
+
+    def _drive(self, link: Link, message: dict[str, Any]) -> None:
+        """Drive the reference: the same world and seed, with robsim's stages for the user's."""
+        runner = self.panel.runner
+        if not isinstance(runner, Simulation):
+            raise Refused("the reference is driven in a simulated world only")
+        if self._reference.is_busy:
+            raise Refused("the reference is on its way")
+        self._check_room()
+        scenario = runner.scenario.to_toml()
+        stages = [slot for slot in ("measure", "estimate_state") if runner._is_on(slot)]
+        fewest, most = _REFERENCE_STEPS
+        steps = min(max(self.panel.record.n_steps, fewest), most)
+
+        def drive() -> Ghost:
+            reference = Simulation(Scenario.from_toml(scenario))
+            if runner._callbacks["control"] is not None and self.panel.goals is not None:
+                reference.control = controller_to(self.panel.goals)
+            if "measure" in stages:
+                reference.measure = True
+            if "estimate_state" in stages and why_no_default() is None:
+                reference.estimate_state = default_estimator(reference)
+            return Ghost.of("reference", reference.run(steps))
+
+        self._reference.begin(drive, self._add)
+
+    def _read(self, content: bytes, name: str) -> Callable[[], object]:
+        ghost = Ghost.of(Path(name).stem, Trace._unpacked(content, name))
+        return lambda: self._add(ghost)
+
+    def _check_room(self) -> None:
+        if len(self._ghosts) >= _MOST:
+            raise Refused(f"{_MOST} runs are kept: remove one first")
+
+    def _add(self, ghost: Ghost | None) -> None:
+        """Add one in place of one of its name; of too many the oldest one goes."""
+        if ghost is None:
+            return
+        others = [other for other in self._ghosts if other.name != ghost.name]
+        self._ghosts = [*others, ghost][-_MOST:]
+        self.panel.send(*self._told())
+
+    def _told(self) -> tuple[dict[str, Any], *tuple[bytes, ...]]:
+        message = {"type": "ghosts", "names": [ghost.name for ghost in self._ghosts]}
+        return message, *(ghost.rows.astype("<f4").tobytes() for ghost in self._ghosts)
+
+
+def controller_to(goals: Floats) -> GoToPoint | FollowPath:
+    """Return robsim's own controller to a position or a pose, or along waypoints."""
+    return GoToPoint(*goals[:2]) if goals.ndim == 1 else FollowPath(goals)
