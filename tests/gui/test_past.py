@@ -223,3 +223,16 @@ def test_a_picture_is_reduced_by_a_whole_factor_and_its_message_has_the_cameras_
         browser.press("step")
         # not less than 300, which the browser asks for
         assert size_of_next(browser) == ([1201, 1003], (1201 // 4, 1003 // 4))
+
+
+def test_particles_are_shown_by_their_weights():
+    simulation = robsim.Simulation(seed=1, measure=True, area=(300, 300))
+    simulation.estimate_state = robsim.estimation.reference.ParticleFilter(simulation.model)
+    with panel_of(simulation) as (_, browser):
+        browser.press("step")
+        head, _ = browser.take("frame", k=0)
+        while not head["particles"]:  # of step 0 before it is done
+            head, _ = browser.take("frame", k=0)
+        spread = np.std(head["particles"], axis=0)
+        assert np.abs(np.mean(head["particles"], axis=0) - head["estimate"]["pose"][:2]).max() < 2
+        assert (spread < 20).all()

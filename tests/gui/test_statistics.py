@@ -60,7 +60,8 @@ def test_errors_are_those_of_the_longest_record_without_a_gap():
 
 def test_without_a_truth_or_a_measurement_there_are_none():
     unseen = statistics_of(trace_with(np.full((3, 3), np.nan)))
-    assert unseen == {"type": "statistics", "first": None, "last": None, "errors": []}
+    nothing = {"first": None, "last": None, "errors": [], "nees": None}
+    assert unseen == {"type": "statistics", **nothing}
     frames = [robsim.Simulation(seed=1).frame]
     assert statistics_of(robsim.Experiment(frames).run())["errors"] == []
 
@@ -210,3 +211,18 @@ def test_without_an_estimator_there_are_no_values():
     assert found["values"] is None
     assert found["excitation"] == {"text": "", "good": None, "weak": []}
     assert found["names"][:2] == ("a1X", "a2X")
+
+
+def test_the_nees_tells_an_estimator_that_is_too_sure_from_one_that_is_right():
+    rng = np.random.default_rng(7)
+    true = np.tile([600.0, 600.0, 0.0], (300, 1))
+    estimated = true + rng.normal(0, [2, 2, 0.05], (300, 3))
+    for factor, verdict, level in ((1, "consistent", "good"), (0.2, "optimistic", "bad")):
+        covariance = np.tile(np.diag([4, 4, 0.0025]).ravel() * factor, (300, 1))
+        groups = {"pose_estimated": estimated, "covariance": covariance}
+        told = statistics_of(trace_with(estimated, true, **groups))["nees"]
+        assert (told["verdict"], told["level"], told["n"]) == (verdict, level, 30)
+        assert told["band"][0] < 3 < told["band"][1]
+        unknown = statistics_of(trace_with(estimated, np.nan * true, **groups))["nees"]
+        assert unknown == {"why": "unknown_truth"}
+    assert statistics_of(trace_with(estimated, true))["nees"] is None

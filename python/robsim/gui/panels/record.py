@@ -7,6 +7,7 @@ import time
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,7 +25,7 @@ from robsim._core import (
 )
 from robsim.base.checks import Floats
 from robsim.gui._css_colors import css_color
-from robsim.gui.panels.run.camera import Shot, past_shot, row_of, shot_of
+from robsim.gui.panels.run.camera import Shot, particles_of, past_shot, row_of, shot_of
 from robsim.simulation import Experiment, Scenario, Simulation
 from robsim.simulation.options import colors_value
 from robsim.trace import Trace
@@ -202,7 +203,9 @@ class RunRecord(Record):
 
     def shot(self, step: Step) -> Shot:
         is_tracked = self._runner._is_on("measure")
-        return shot_of(step, self.columns(), self.n_resets, is_tracked=is_tracked)
+        shot = shot_of(step, self.columns(), self.n_resets, is_tracked=is_tracked)
+        found = step.estimate and particles_of(self._runner._callbacks["estimate_state"])
+        return replace(shot, particles=found) if found else shot
 
 
 class SimulationRecord(RunRecord):

@@ -35,7 +35,7 @@ class Ghost:
 
     @staticmethod
     def of(name: str, trace: Trace) -> Ghost:
-        """Return that of a trace; ValueError if it does not begin with step 0."""
+        """Return a trace as a ghost; ValueError if it does not begin with step 0."""
         if not len(trace):
             raise ValueError("nothing has run yet")
         if first := int(trace.k[0]):
@@ -122,7 +122,7 @@ class Ghosts(Part):
             raise Refused(f"{_MOST} runs are kept: remove one first")
 
     def _add(self, ghost: Ghost | None) -> None:
-        """Add one in place of one of its name; of too many the oldest one goes."""
+        """Add one instead of one of its name; of too many the oldest one goes."""
         if ghost is None:
             return
         others = [other for other in self._ghosts if other.name != ghost.name]

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robsim.estimation.evaluation.errors import number_of_bins, pose_errors, usual_limits
+from robsim.estimation.evaluation.chi_square import chi_square_band
+from robsim.estimation.evaluation.consistency import nees
+from robsim.estimation.evaluation.errors import (
+    number_of_bins,
+    pose_errors,
+    usual_limits,
+    wrapped_error,
+)
 from robsim.gui._link import Link
 from robsim.gui._worker import Beside
 from robsim.gui.panels.part import Part
@@ -78,6 +85,10 @@ class Summary(Part):
         self._beside.begin(timed, take)
 
 
+_NEES_STEPS = 300
+_NEES_GAP = 10  # steps, after which errors are taken to be independent
+_NEES_LEVELS = (0.95, 0.999)  # of the bands: outside of the first a warning, of both bad
+
 _NAMES = (("x", "px", 1.0), ("y", "px", 1.0), ("heading", "deg", math.degrees(1.0)))
 
 
@@ -86,12 +97,44 @@ class Statistics(Summary):
 
     def message(self, trace: Trace) -> dict[str, Any]:
         part = trace[longest_valid(trace)]
+        judged = {"nees": nees_of(trace)}
         if not len(part):
-            return {"type": "statistics", "first": None, "last": None, "errors": []}
+            return {"type": "statistics", "first": None, "last": None, "errors": [], **judged}
         with np.errstate(over="ignore", invalid="ignore"):  # of an estimate that runs away
             errors = [*_errors(part, "measurement"), *_errors(part, "estimate")]
         first, last = int(part.k[0]), int(part.k[-1])
-        return {"type": "statistics", "first": first, "last": last, "errors": errors}
+        return {"type": "statistics", "first": first, "last": last, "errors": errors, **judged}
+
+
+def nees_of(trace: Trace) -> dict[str, Any] | None:
+    """Return the mean NEES of the newest steps with its bands; None without an estimate.
+
+    Errors of neighbouring steps are correlated, so that only some of the steps count.
+    """
+    part = trace[-_NEES_STEPS:]
+    error = wrapped_error(part.pose_estimated, part.pose_true)[::-_NEES_GAP]
+    if not np.isfinite(part.covariance).any():
+        return None
+    if not np.isfinite(part.pose_true).any():
+        return {"why": "unknown_truth"}
+    try:
+        values = nees(error, part.covariance[::-_NEES_GAP])
+    except ValueError:
+        return {"why": "bad_covariance"}
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return None
+    band, wide = (chi_square_band(3, runs=len(known), level=level) for level in _NEES_LEVELS)
+    mean = float(known.mean())
+    inside = [low <= mean <= high for low, high in (band, wide)]
+    return {
+        "mean": mean,
+        "n": len(known),
+        "band": band.tolist(),
+        "wide": wide.tolist(),
+        "level": "good" if inside[0] else "warning" if inside[1] else "bad",
+        "verdict": "consistent" if inside[0] else "optimistic" if mean > 3 else "conservative",
+    }
 
 
 def longest_valid(trace: Trace) -> slice:

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 
 
-_TOLD = ("k", "t", "measured", "held", "truth", "estimate", "boxes", "missed", "past")
+_TOLD = ("k", "t", "measured", "held", "truth", "estimate", "particles", "boxes", "missed", "past")
+_MOST_PARTICLES = 300
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class Shot:
     held: list[float] | None = None
     truth: list[float] | None = None
     estimate: dict[str, Any] | None = None
+    particles: list[list[float]] | None = None  # positions
     boxes: Sequence[Sequence[Any]] = ()  # [colour, left, top, right, bottom] of each blob
     missed: str | None = None
     past: bool = False  # an older step
@@ -77,6 +79,25 @@ def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_trac
         missed=None if measurement or detection is None else detection.explanation,
         n_resets=n_resets,
     )
+
+
+def particles_of(estimator: Any) -> list[list[float]] | None:
+    """Return the positions of some particles of an estimator that has them, (N, 2) or wider.
+
+    Each stands for as much weight, if there are `weights`.
+    """
+    owner = getattr(estimator, "__self__", estimator)
+    particles = getattr(owner, "particles", None)
+    if not isinstance(particles, np.ndarray) or particles.ndim != 2 or particles.shape[1] < 2:
+        return None
+    n = len(particles)
+    parts = (np.arange(min(n, _MOST_PARTICLES)) + 0.5) / min(n, _MOST_PARTICLES)
+    weights = getattr(owner, "weights", None)
+    if not isinstance(weights, np.ndarray) or weights.shape != (n,):
+        weights = np.full(n, 1 / n)
+    chosen = np.minimum(np.searchsorted(np.cumsum(weights), parts), n - 1)
+    places = particles[chosen, :2].astype(np.float64).round(1)
+    return places[np.isfinite(places).all(axis=1)].tolist()  # type: ignore[no-any-return]
 
 
 def past_shot(record: Record, k: int, frame: Frame | None) -> Shot:

@@ -22,6 +22,7 @@ export const makeOverlays = () => [
   { name: "object_trace", shown: true, columns: blobColumns, draw: drawObjectTrace },
   { name: "planned", shown: true, color: "other-5", is: hasGoals, draw: drawPlanned },
   { name: "boxes", shown: true, draw: drawBoxes },
+  { name: "particles", shown: true, color: "estimated", draw: drawParticles },
   { name: "covariance", shown: true, color: "estimated", draw: drawCovariance },
   { name: "held_pose", shown: true, color: "held", draw: drawHeld },
   { name: "outline", shown: true, color: "measured", draw: drawOutline },
@@ -192,6 +193,17 @@ function drawCovariance(scene) {
   }
   drawLine(scene, [center, scene.place(fromRobot(pose, reach))], ink("estimated"));
   drawDot(scene, center, ink("estimated"));
+}
+
+function drawParticles({ pen, unit, frame, place, ink }) {
+  const side = 1.5 * unit;
+  pen.fillStyle = ink("estimated");
+  pen.globalAlpha = 0.4;
+  for (const point of frame.particles ?? []) {
+    const [x, y] = place(point);
+    pen.fillRect(x - side / 2, y - side / 2, side, side);
+  }
+  pen.globalAlpha = 1;
 }
 
 function fillArea(pen, points, color) {

@@ -12,8 +12,8 @@ const STEPS_HEIGHT = 22; // px, below a chart that names the steps
 
 /**
  * A layer: `name` (of a text), `series`, `ink` (a custom property without "--robsim-", or "#..."),
- * `kind` "line", "stairs" or "dots", `size` (px) of its dots or line. Its `level` is 0 for what is
- * drawn first. `isJoined`: a thin line joins its dots. `isAside`: the title does not read it off.
+ * `kind` "line", "stairs" or "dots", `size` (px) of its dots or line. Its `level` is 0
+ * if it is drawn first. `isJoined`: a thin line joins its dots. `isAside`: the title does not read it off.
  * `spread` is a series of its standard deviation, or what becomes that by the factor that `sigma()`
  * returns. Twice it is a band in `bandInk`.
  */

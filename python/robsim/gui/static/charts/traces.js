@@ -7,6 +7,7 @@ import { Chart } from "./chart.js";
 import { fieldSeries, makeColumnCharts } from "./columns.js";
 import { ghostLayers, makeGhostControls } from "./ghosts.js";
 import { Histogram } from "./histogram.js";
+import { makeNees } from "./nees.js";
 import { DEGREES, Series, wrappedDegrees } from "./series.js";
 import { makeLegend, makeStepControls } from "./toolbar.js";
 
@@ -114,7 +115,7 @@ export function makeTraces(context) {
   const legend = makeLegend(context, Object.values(SOURCES),
     (name) => name != "true" || context.setup.has_truth);
   tools.append(...makeStepControls(context), legend, makeObjectSwitch(context), menu,
-    ...makeGhostControls(context));
+    ...makeGhostControls(context), makeNees(context));
 
   context.on("setup", () => {
     charts.build();
