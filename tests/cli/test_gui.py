@@ -100,14 +100,15 @@ def test_ctrl_c_is_a_good_end(seen, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", interrupted)
+    assert command("gui", "--seed", "1").exit_code == 0
     assert command("gui").exit_code == 0
 
 
 def test_no_browser(seen, monkeypatch):
     seen.has_browser = False
-    assert "no browser" in command("gui").stderr
+    assert "no browser" in command("gui", "--seed", "1").stderr
     monkeypatch.setenv("SSH_CONNECTION", "10.0.0.1 5 10.0.0.2 22")
-    run = command("gui", "--no-browser")
+    run = command("gui", "--no-browser", "--seed", "1")
     port = re.match(ADDRESS, run.stdout)[2]
     assert f"ssh -N -L {port}:127.0.0.1:{port} " in run.stderr
     assert "no browser" not in run.stderr
@@ -155,7 +156,7 @@ def test_a_port_that_is_in_use():
 def process():
     """`robsim gui`, as a program."""
     process = subprocess.Popen(
-        interruptible("gui", "--no-browser"),
+        interruptible("gui", "--no-browser", "--seed", "1"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

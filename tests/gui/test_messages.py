@@ -13,6 +13,7 @@ from fuzzing import fuzzed
 from robsim.gui import _link as _messages
 from robsim.gui._link import Refused
 from robsim.gui.panels.part import MESSAGES
+from robsim.gui.start.host import Start
 
 # --- messages
 
@@ -122,7 +123,8 @@ RUN, TOOLS = (GUI / "PROTOCOL.md").read_text("utf-8").split("## Tools\n")
 TO_BROWSER, FROM_BROWSER = RUN.split("## From the browser")
 TOOLS_TO, REST = TOOLS.split("### Tools, from the browser")
 TOOLS_FROM, REST = REST.split("### Defining a robot")
-ROBOTS, FLOOR = REST.split("### Calibrating a floor")
+ROBOTS, REST = REST.split("### Calibrating a floor")
+FLOOR, START = REST.split("## The start page")
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \|", re.MULTILINE)
 
 
@@ -136,6 +138,7 @@ def test_every_message_from_a_browser_stands_there_with_its_fields(user_folder):
         TOOLS_FROM: robsim.gui.color_panel(robot="lab"),
         TOOLS_FROM + ROBOTS: robsim.gui.robot_panel(robot="lab"),
         TOOLS_FROM + FLOOR: robsim.gui.floor_panel(),
+        START: Start(),
     }
     for text, panel in panels.items():
         panel.close()

@@ -26,6 +26,7 @@ _COMMANDS = {
     "gui": (
         "simulated.gui",
         "Open the panel in the browser: camera view, controls, traces, callbacks.",
+        "simulated.start",
     ),
     "check": ("check", "Check your callbacks: what is wrong, in which situation and line."),
     "grade": ("grade", "Grade submissions by an assignment."),

@@ -66,16 +66,18 @@ class Group(TyperGroup):
 class Later(TyperCommand):
     """A command, or a group of commands, whose module is loaded when it is run.
 
-    The module has a function of its name, or an `app` and HELP.
+    The module has a function of its name, or an `app` and HELP. A `bare` module has it for calls
+    without arguments but those about the page: it is loaded sooner.
     """
 
-    def __init__(self, name: str, module: str, summary: str) -> None:
+    def __init__(self, name: str, module: str, summary: str, bare: str | None = None) -> None:
         super().__init__(name, help=summary, rich_markup_mode="rich")
-        self._module = module
+        self._module, self._bare = module, bare
 
-    def loaded(self) -> Any:
+    def loaded(self, *, is_bare: bool = False) -> Any:
         """Return the command itself."""
-        module: Any = importlib.import_module(f"robsim.cli.{self._module}")
+        name = self._bare if is_bare else self._module
+        module: Any = importlib.import_module(f"robsim.cli.{name}")
         holder = typer.Typer(rich_markup_mode="rich", pretty_exceptions_enable=False)
         if hasattr(module, "app"):
             about = f"{self.help}\n\n{module.HELP}"
@@ -84,9 +86,15 @@ class Later(TyperCommand):
             command(holder, self.name, summary=self.help)(getattr(module, str(self.name)))
         return typer.main.get_group(holder).commands[str(self.name)]
 
-    def make_context(self, *args: Any, **extra: Any) -> Any:
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any
+    ) -> Any:
         """Begin to run the command itself."""
-        return self.loaded().make_context(*args, **extra)
+        is_bare = self._bare is not None and _OF_PAGE.fullmatch(" ".join(args)) is not None
+        return self.loaded(is_bare=is_bare).make_context(info_name, args, parent, **extra)
+
+
+_OF_PAGE = re.compile(r"((--no-browser|--port[ =]\d+)( |$))*")
 
 
 def command_group(epilog: str) -> typer.Typer:

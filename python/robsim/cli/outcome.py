@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from robsim.cli import errors
-from robsim.cli.shared import earlier_run
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -40,6 +39,7 @@ def finish(
     `more` are other reports of it, by name; `scale` is the length of a px (mm).
     """
     from robsim.cli.results import write_results
+    from robsim.cli.shared import earlier_run
     from robsim.vision.markers.missed_detections import explain_missed
 
     if not len(simulation.trace):

@@ -1,18 +1,10 @@
 """The face: panels of a run in a notebook, or in a browser window of their own."""
 
-from robsim.gui.facade import Panel, panel
-from robsim.gui.tools.colors.panel import ColorPanel
-from robsim.gui.tools.floor.panel import FloorPanel
-from robsim.gui.tools.opening import color_panel, floor_panel, robot_panel
-from robsim.gui.tools.robots.panel import RobotPanel
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-__all__ = [
-    "ColorPanel",
-    "FloorPanel",
-    "Panel",
-    "RobotPanel",
-    "color_panel",
-    "floor_panel",
-    "panel",
-    "robot_panel",
-]
+from robsim.base.doors import late_names as _late_names
+
+if _TYPE_CHECKING:
+    from robsim.gui.names import *
+
+__getattr__, __dir__ = _late_names(__name__, ("names",))

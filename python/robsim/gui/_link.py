@@ -9,13 +9,15 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PIL import Image
 
-from robsim._core import Blob, Frame, PlaneMap
-from robsim.vision.imaging import images
+if TYPE_CHECKING:  # the first picture loads them: the start page opens sooner without
+    from PIL import Image
+
+    from robsim._core import Blob, Frame, PlaneMap
+    from robsim.vision.imaging import images
 
 Buffers = Sequence[bytes]
 _FORGET = 10.0  # s after which a view that says nothing, while others do, is gone
@@ -280,6 +282,8 @@ class FrameClock:
 
 
 def jpeg(pixels: images.Pixels) -> bytes:
+    from PIL import Image
+
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, "JPEG", quality=_QUALITY)
     return out.getvalue()
@@ -287,6 +291,8 @@ def jpeg(pixels: images.Pixels) -> bytes:
 
 def small_png(picture: Image.Image) -> bytes:
     """Return an image as a PNG of so few colours that it is small, for a saved notebook."""
+    from PIL import Image
+
     for colors in _COLORS:
         out = io.BytesIO()
         kind = Image.Quantize.FASTOCTREE  # it keeps rare colours, such as those of the markers

@@ -57,6 +57,11 @@ class Page:
         self.ticket = Ticket()
         return webbrowser.open(f"http://127.0.0.1:{self.port}/{self.ticket.word}")
 
+    def show(self, view: View) -> None:
+        """Show another view; open pages load it at once."""
+        old, self.view = self.view, view
+        old.post(lambda: old.send({"type": "moved"}))
+
     def wait(self, patience: float) -> None:
         """Wait until pages have come, and the last one has been gone for some seconds.
 

@@ -105,7 +105,7 @@ class Server(tornado.httpserver.HTTPServer):
 
 def _application(host: Host, server: Server) -> tornado.web.Application:
     contents = {
-        "": ("text/html", _PAGE.replace("{kind}", host.view.kind)),
+        "": ("text/html", _PAGE),
         "view.css": ("text/css", style()),
         "view.js": ("text/javascript", script()),
         "page.js": ("text/javascript", page_script()),
@@ -173,7 +173,7 @@ class _File(_Guarded):
     def get(self) -> None:
         kind, text = self._content
         self.set_header("Content-Type", f"{kind}; charset=utf-8")
-        self.finish(text)
+        self.finish(text.replace("{kind}", self._host.view.kind) if kind == "text/html" else text)
 
 
 class _Other(_Guarded):
@@ -199,6 +199,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
         super().initialize(host)
         self._server = server
         self._link: PageLink | None = None
+        self._view = host.view
         self._stream: tornado.iostream.IOStream | None = None
 
     def prepare(self) -> None:
@@ -216,7 +217,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self.set_nodelay(True)
         self._link = PageLink(self, asyncio.get_running_loop())
         self._host.came(self)
-        self._host.view.connect(self._link)
+        self._view.connect(self._link)
 
     def cut(self) -> None:
         """Close the line at once, without a word."""
@@ -225,12 +226,12 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
     def on_message(self, message: str | bytes) -> None:
         assert self._link is not None
-        self._host.view.receive(self._link, *unpacked_message(message))
+        self._view.receive(self._link, *unpacked_message(message))
 
     def on_close(self) -> None:
         if self._link is not None:
             self._host.went(self)
-            self._host.view.disconnect(self._link)
+            self._view.disconnect(self._link)
 
 
 def unpacked_message(message: str | bytes) -> tuple[Any, Buffers]:

@@ -105,5 +105,6 @@ MESSAGES: Messages = {
     **UPLOAD_MESSAGES,
     "tool": {"name": maybe(text)},
     "use_tool": {},
+    "home": {},
     "tell_tool": {"name": text, "message": message, "buffers": buffers_of_message},
 }

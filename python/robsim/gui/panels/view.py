@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from robsim._core import Step
@@ -49,6 +49,8 @@ class PanelView(View):
     def __init__(self, shown: Shown, *, speed: float = SPEED, goals: Floats | None = None) -> None:
         super().__init__()
         self.goals = goals
+        #: Shows the page that it was opened from, if there is one; in the thread of the view.
+        self.go_home: Callable[[], None] | None = None
         self.runner, self.record = _runner_and_record(shown)
         self.driver = Driver(self.runner, speed=speed)
         self._alone_at = math.inf  # when the run is paused, as nobody looks

@@ -36,6 +36,7 @@ function modelOf(socket) {
   socket.addEventListener("open", () => waiting.forEach(say));
   socket.onmessage = ({ data }) => {
     const [head, buffers] = unpack(data);
+    if (head.type == "moved") location.reload(); // the page shows another view now
     for (const listener of listeners) listener(head, buffers);
   };
   return {

@@ -3,11 +3,12 @@ import { renderColors } from "./tools/colors.js";
 import { renderFloor } from "./tools/floor.js";
 import { renderPanel } from "./panel.js";
 import { renderRobots } from "./tools/robots.js";
+import { renderStart } from "./start/start.js";
 import { isPage, make } from "./base/dom.js";
 import { guardFromDrops } from "./tools/load.js";
 
-const VIEWS =
-  { panel: renderPanel, colors: renderColors, floor: renderFloor, robots: renderRobots };
+const VIEWS = { panel: renderPanel, start: renderStart, colors: renderColors, floor: renderFloor,
+  robots: renderRobots };
 
 function render({ model, el }) {
   const id = crypto.getRandomValues(new Uint32Array(2)).join("");

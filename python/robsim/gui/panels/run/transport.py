@@ -127,11 +127,12 @@ class Transport(Part):
             self._camera = CameraRate(panel.runner)
 
     def handlers(self) -> Handlers:
-        return {"press": self._press, "animate": self._animate}
+        return {"press": self._press, "animate": self._animate, "home": self._go_home}
 
     def setup(self) -> dict[str, Any]:
         driver = self.panel.driver
-        return {"motors": driver.has_motors, "live": driver.is_live}
+        has_home = self.panel.go_home is not None
+        return {"motors": driver.has_motors, "live": driver.is_live, "has_home": has_home}
 
     def state(self) -> dict[str, Any]:
         driver, record = self.panel.driver, self.panel.record
@@ -216,6 +217,11 @@ class Transport(Part):
     def _tell_failure(self, future: Future[None]) -> None:
         if not future.cancelled() and (error := future.exception()) is not None:
             self.panel.note(str(error) or type(error).__name__)
+
+    def _go_home(self, link: Link, message: dict[str, Any]) -> None:
+        if self.panel.go_home is None:
+            raise Refused("this panel was not opened from the start page")
+        self.panel.go_home()
 
     def _animate(self, link: Link, message: dict[str, Any]) -> None:
         self.panel.driver.animates = message["on"]

@@ -11,15 +11,18 @@ export function makeTitle(context) {
   const step = make("output.robsim-number.robsim-title-step");
   const time = make("output.robsim-number.robsim-title-time");
   const keys = makeButton("keys", "robsim-plain robsim-icon", () => context.emit("keys"));
+  const home = makeButton("home", "robsim-plain robsim-icon", () => context.send({ type: "home" }));
+  home.hidden = true;
   const element = make("header.robsim-title",
-    icon("robot"), name, state, step, time, makeLooks(context, keys));
+    home, icon("robot"), name, state, step, time, makeLooks(context, keys));
 
   const count = painter(() => {
     const { shown } = context;
     step.textContent = text("step.number", { k: shown < 0 ? "–" : shown });
     time.textContent = text("time", { t: shown < 0 ? "–" : context.timeOf(shown).toFixed(1) });
   });
-  context.on("setup", ({ title }) => {
+  context.on("setup", ({ title, has_home: hasHome }) => {
+    home.hidden = !hasHome;
     name.textContent = name.title = title;
     if (isPage()) document.title = `${title} – robsim`;
   });

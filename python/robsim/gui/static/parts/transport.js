@@ -21,10 +21,14 @@ export function makeTransport(context) {
   };
   const start = makeButton("start", "robsim-primary robsim-start", () => press(start.name));
   const others = Object.keys(NEEDS).map((name) => makeButton(name, "", () => press(name)));
+  const animate = makeButton("slowly", "", () => {
+    if (!context.state.animate) context.choose("tab", "callbacks"); // where it is seen
+    context.send({ type: "animate", on: !context.state.animate });
+  });
   const stop = makeButton("stop", "robsim-danger robsim-stop", () => press("stop"));
   stop.hidden = true;
   const about = { role: "toolbar", ariaLabel: text("transport") };
-  const element = make("div.robsim-transport", about, start, ...others, stop);
+  const element = make("div.robsim-transport", about, start, ...others.slice(0, 2), animate, ...others.slice(2), stop);
 
   const show = () => {
     const { state } = context;
@@ -32,6 +36,8 @@ export function makeTransport(context) {
     // A trace is played back once more.
     start.disabled = isOver(state) && !(context.setup?.source == "trace" && state.state == "ended");
     for (const button of others) button.disabled = !NEEDS[button.name](state);
+    animate.setAttribute("aria-pressed", String(Boolean(state.animate)));
+    animate.hidden = context.setup?.source == "trace" || context.setup?.live;
     stop.hidden = !context.setup?.motors;
     element.dataset.motors = String(!stop.hidden);
   };

@@ -1,0 +1,25 @@
+"""The command ``robsim gui`` without a folder or options of a run: the start page.
+
+Few modules are loaded before the page is shown: the rest is while it is looked at.
+"""
+
+from __future__ import annotations
+
+from robsim.cli import errors
+from robsim.cli.outcome import show_panel
+
+
+def gui(port: int = 0, no_browser: bool = False) -> None:
+    """Open the start page in the browser.
+
+    Each card opens the panel with a run.
+
+    --port N: Port of the page on this machine. [default: any that is free]
+    --no-browser: Start no browser, print the address only.
+
+    Example: robsim gui
+    """
+    from robsim.gui.start.host import Start
+
+    with errors.report_errors(None), Start() as opened:
+        show_panel(opened, port, is_wanted=not no_browser)

@@ -1,0 +1,18 @@
+"""The public names of the wing. The first use of a name loads all; the start page loads none."""
+
+from robsim.gui.facade import Panel, panel
+from robsim.gui.tools.colors.panel import ColorPanel
+from robsim.gui.tools.floor.panel import FloorPanel
+from robsim.gui.tools.opening import color_panel, floor_panel, robot_panel
+from robsim.gui.tools.robots.panel import RobotPanel
+
+__all__ = [
+    "ColorPanel",
+    "FloorPanel",
+    "Panel",
+    "RobotPanel",
+    "color_panel",
+    "floor_panel",
+    "panel",
+    "robot_panel",
+]

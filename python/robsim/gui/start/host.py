@@ -1,0 +1,83 @@
+"""The start page as a panel: one page, which shows the cards or what one of them has opened."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from robsim.gui.hosted import HostedPanel
+from robsim.gui.start.view import StartView
+
+if TYPE_CHECKING:
+    from robsim.gui.facade import Panel
+    from robsim.gui.start.cards import Scene
+
+
+class Start(HostedPanel):
+    """The start page; its page turns into the panel of a card, and back."""
+
+    _maker = "robsim gui"
+    _view: StartView
+
+    def __init__(self) -> None:
+        self._view = StartView(self._open_card, self._resume, self._kept)
+        self._panel: Panel | None = None
+        self._has_ended = False
+        self._scene: Scene | None = None
+        super().__init__()
+
+    @property
+    def panel(self) -> Panel | None:
+        """The panel of the card that was opened last."""
+        return self._panel
+
+    @property
+    def _is_closed(self) -> bool:
+        return self._has_ended
+
+    def _pause_soon(self) -> None:
+        if self._panel is not None:
+            self._panel._pause_soon()
+
+    def _close(self, timeout: float) -> None:
+        self._has_ended = True
+        super()._close(timeout)
+        self._drop(timeout)
+
+    def _drop(self, timeout: float = 5.0) -> None:
+        """Close the panel of a card, and its resources."""
+        panel, scene, self._panel, self._scene = self._panel, self._scene, None, None
+        if panel is not None:
+            panel._close(timeout)
+        if scene is not None:
+            scene.held.close()
+
+    def _open_card(self, card: str) -> None:
+        from robsim.gui._driver import SPEED
+        from robsim.gui.facade import Panel
+        from robsim.gui.start.cards import scene_of
+
+        self._drop()
+        scene = scene_of(card)
+        panel = Panel(scene.what, SPEED if scene.task is None else 1.0)
+        self._panel, self._scene = panel, scene
+        scene.begin(panel._view)
+        panel._view.go_home = self._home
+        self._resume()
+        if scene.task is None and not panel._view.driver.has_motors:
+            panel.start()
+
+    def _resume(self) -> None:
+        if self._page is not None and self._panel is not None:
+            self._page.show(self._panel._view)
+
+    def _home(self) -> None:
+        """Pause, and show the cards again; in the thread of the panel's view."""
+        if self._panel is not None:
+            threading.Thread(target=self._panel._pause_soon, daemon=True).start()
+        if self._page is not None:
+            self._page.show(self._view)
+
+    def _kept(self) -> str:
+        """Return the number of steps of the run that the page can go back to; empty: no run."""
+        return "" if self._panel is None else str(self._panel._view.record.n_steps)
