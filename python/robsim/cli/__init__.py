@@ -28,6 +28,7 @@ _COMMANDS = {
         "Open the panel in the browser: camera view, controls, traces, callbacks.",
         "simulated.start",
     ),
+    "replay": ("replay", "Run a shared run of the panel again, to the bit."),
     "check": ("check", "Check your callbacks: what is wrong, in which situation and line."),
     "grade": ("grade", "Grade submissions by an assignment."),
     "track": ("track", "Track the robot in a video file or a folder of images."),

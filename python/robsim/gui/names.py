@@ -1,6 +1,7 @@
 """The public names of the wing. The first use of a name loads all; the start page loads none."""
 
 from robsim.gui.facade import Panel, panel
+from robsim.gui.replays import replay
 from robsim.gui.tools.colors.panel import ColorPanel
 from robsim.gui.tools.floor.panel import FloorPanel
 from robsim.gui.tools.opening import color_panel, floor_panel, robot_panel
@@ -14,5 +15,6 @@ __all__ = [
     "color_panel",
     "floor_panel",
     "panel",
+    "replay",
     "robot_panel",
 ]

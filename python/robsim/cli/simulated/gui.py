@@ -42,7 +42,7 @@ def gui(
     """Open the panel in the browser.
 
     With a folder it runs the callbacks there, and takes in what you change in them. A trace, a
-    session or a video is played back. Without any of these, and without options, a start page offers runs to begin with.
+    session or a video is played back. Without arguments a start page has runs to begin with.
 
     With --robots it defines a robot instead, with --train it trains colours, with --calibrate it
     calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a video,

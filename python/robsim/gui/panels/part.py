@@ -106,5 +106,6 @@ MESSAGES: Messages = {
     "tool": {"name": maybe(text)},
     "use_tool": {},
     "home": {},
+    "share": {},
     "tell_tool": {"name": text, "message": message, "buffers": buffers_of_message},
 }

@@ -26,6 +26,7 @@ from robsim.gui.panels.run.callbacks import Callbacks
 from robsim.gui.panels.run.camera import CameraView
 from robsim.gui.panels.run.controls import Controls
 from robsim.gui.panels.run.scenario import ScenarioOptions
+from robsim.gui.panels.run.share import Share
 from robsim.gui.panels.run.tools import Tools
 from robsim.gui.panels.run.transport import Transport
 from robsim.gui.panels.still_part import Still
@@ -58,13 +59,14 @@ class PanelView(View):
         self.rows, self.past, self._result = Rows(self), Past(self), Result(self)
         self.camera, self.still = CameraView(self), Still(self)
         kinds = [Transport, Controls, Statistics, Parameters, Inspector, Ghosts]
+        self.share = Share(self)
         if not isinstance(self.runner, Playback):
             kinds.append(Callbacks)
         if isinstance(self.runner, Simulation):
             kinds.append(ScenarioOptions)
         made = (kind(self) for kind in kinds)
         self.tools = Tools(self)
-        analysis = (self.past, self._result, self.still, self.rows, self.tools)
+        analysis = (self.past, self._result, self.still, self.rows, self.tools, self.share)
         self._parts: list[Part] = [self.camera, *made, *analysis]
         self._handlers = {**super().handlers()}
         for part in self._parts:

@@ -12,6 +12,7 @@ import { makeKeyboard } from "./parts/keyboard.js";
 import { makeNotes } from "./parts/notes.js";
 import { makeResult } from "./parts/result.js";
 import { makeScenario } from "./parts/scenario.js";
+import { makeShare } from "./parts/share.js";
 import { makeTimeline } from "./parts/timeline.js";
 import { makeTitle } from "./parts/title.js";
 import { makeToolPlace } from "./parts/tool_place.js";
@@ -49,6 +50,7 @@ export function renderPanel({ el, send }) {
 function layOut(context, camera, place) {
   const transport = makeTransport(context);
   const timeline = makeTimeline(context);
+  const share = makeShare(context);
   const trouble = makeTrouble(context, transport.press);
   const tabs = makeTabs(context, {
     traces: makeTraces(context),
@@ -61,11 +63,11 @@ function layOut(context, camera, place) {
   const view = make("div.robsim-view.robsim-surface", camera.element, trouble.element);
   const left = [makeTitle(context), { element: view }, transport, timeline, makeControls(context)];
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
-    trouble.lost];
+    share.element, trouble.lost];
   const panel = make("div.robsim-panel", { tabIndex: -1 },
     make("div.robsim-left.robsim-column", ...left.map((part) => part.element)),
     make("div.robsim-right.robsim-column",
-      make("div.robsim-right-top", tabs.list, place.buttons), tabs.sheets));
+      make("div.robsim-right-top", tabs.list, place.buttons, share.button), tabs.sheets));
   return [panel, place.element, ...over]; // what lies over it is seen beside a tool, too
 }
 

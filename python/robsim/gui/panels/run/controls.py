@@ -90,22 +90,22 @@ class Controls(Part):
     def _set(self, link: Link, message: dict[str, Any]) -> None:
         if (setting := self._settings.get(message["name"])) is None:
             raise Refused(f"there is no control {message['name']!r}")
-        self._do(link, lambda: setting.set(message["value"]))
+        self._do(link, message, lambda: setting.set(message["value"]))
 
     def _go_to(self, link: Link, message: dict[str, Any]) -> None:
         driving = self._driving()
-        self._do(link, lambda: driving.go_to(message["x"], message["y"]))
+        self._do(link, message, lambda: driving.go_to(message["x"], message["y"]))
 
     def _path(self, link: Link, message: dict[str, Any]) -> None:
         driving = self._driving()
-        self._do(link, lambda: driving.follow(message["points"]))
+        self._do(link, message, lambda: driving.follow(message["points"]))
 
     def _driving(self) -> Driving:
         if self._run is None:
             raise Refused("this run was recorded before: its robot cannot be driven")
         return self._run.driving
 
-    def _do(self, link: Link, change: Callable[[], Remarks]) -> None:
+    def _do(self, link: Link, message: dict[str, Any], change: Callable[[], Remarks]) -> None:
         """Change something between two steps, and tell what came of it."""
         self.panel.check_room()
 
@@ -115,7 +115,8 @@ class Controls(Part):
                 self._run.stages.tune()
             return remarks
 
-        future = self.panel.driver.call(change_all)
+        share = self.panel.share
+        future = self.panel.driver.call(lambda: share.noted(message, change_all))
         future.add_done_callback(lambda done: self.panel.post(lambda: self._done(link, done)))
 
     def _done(self, link: Link, future: Future[Remarks]) -> None:

@@ -1,0 +1,42 @@
+"""The command ``robsim replay``: a shared run, run again."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import typer
+
+from robsim.cli import errors
+from robsim.cli.outcome import show_panel
+
+
+def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = False) -> None:
+    """Run a shared run again, to the bit, and open its panel at the last step.
+
+    A file may carry Python code, its callbacks. They run with your rights, and only after you have
+    said yes, or with --trust: read the code of a stranger before, the file is text.
+
+    FILE: Replay file, as Share of the panel gives it.
+    --trust: Run the code of the file without a question.
+    --port N: Port of the page on this machine. [default: any that is free]
+    --no-browser: Start no browser, print the address only.
+
+    Example: robsim replay run.replay
+    """
+    from robsim.gui.replays import ReplayFile
+    from robsim.gui.replays import replay as run_again
+
+    with errors.report_errors(file):
+        code = ReplayFile.load(file).code
+        if code and not trust:
+            errors.say("it carries Python code, which would run with your rights:")
+            for name, lines in code.items():
+                errors.say(f"  {name}, {lines} lines")
+            with suppress(typer.Abort):  # nobody is there to answer
+                trust = typer.confirm("Run it?")
+            if not trust:
+                raise typer.Exit(1)
+        with run_again(file, trust=True) as panel:
+            errors.say(f"run again: {len(panel.trace)} steps")
+            show_panel(panel, port, is_wanted=not no_browser)

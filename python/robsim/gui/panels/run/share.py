@@ -1,0 +1,187 @@
+"""Share: a clip of the last ten seconds, and a file from which the run is run again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from robsim._core import Frame, Step
+from robsim.gui._link import Link, Refused
+from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.settings.owners import owners_of
+from robsim.simulation import Scenario, Simulation
+from robsim.simulation.runner import Runner
+from robsim.vision.imaging.clip import Clip
+
+if TYPE_CHECKING:
+    from robsim.gui.panels.view import PanelView
+    from robsim.vision.imaging.images import Pixels
+
+_SECONDS, _LEAST_RATE, _WIDTH = 10, 15.0, 600  # of the clip: s, 1/s, px
+_MOST_CHANGES = 10_000
+
+
+class Share(Part):
+    """Notes what changes a simulation, and makes files of it."""
+
+    def __init__(self, panel: PanelView) -> None:
+        super().__init__(panel)
+        self._making = panel.beside("robsim share")
+        self._changes: list[tuple[int, int, str, dict[str, Any]]] = []  # resets, step, stage, what
+        self._unknown: set[str] = set()  # what was changed by something else than the panel
+        if isinstance(runner := panel.runner, Simulation):
+            self._unknown |= {*runner._changed}
+            self._known = self._start = _world(runner)
+            self._files = self._first_files = _files(runner)
+            self._slots = [slot for slot in runner._from_folder if _is_open(runner, slot)]
+
+    def handlers(self) -> Handlers:
+        return {"share": self._share}
+
+    def setup(self) -> dict[str, Any]:
+        return {"can_share": isinstance(self.panel.runner, Runner)}
+
+    def noted(self, message: dict[str, Any], change: Callable[[], Any]) -> Any:
+        """Change something, and note by which message; in the thread of the run."""
+        runner = self.panel.runner
+        if not isinstance(runner, Simulation) or message.get("name") == "speed":
+            return change()
+        self._compare(runner)
+        k, stage = runner.n_steps, runner.stage
+        result = change()
+        self._known = _world(runner)
+        self._add(k, stage, {name: message[name] for name in message if name != "id"})
+        return result
+
+    def take(self, step: Step) -> None:
+        runner = self.panel.runner
+        if isinstance(runner, Simulation) and (files := _files(runner)) is not self._files:
+            self._files = files
+            self._add(step.k, "world", _texts(files))
+
+    def _add(self, k: int, stage: str, what: dict[str, Any]) -> None:
+        if len(self._changes) < _MOST_CHANGES:
+            self._changes.append((self.panel.record.n_resets, k, stage, what))
+        else:
+            self._unknown.add("more changes than are kept")
+
+    def _compare(self, runner: Simulation) -> None:
+        """Note what Python has changed since the panel did."""
+        if (now := _world(runner)) is not self._known and now != self._known:
+            self._unknown.add("options set in Python")
+
+    def _replay(self) -> tuple[str, bytes, str]:
+        """Return name, content and lacks of the file; in the thread of the run."""
+        runner, record = self.panel.runner, self.panel.record
+        lacks = ["frames of a camera"]
+        if isinstance(runner, Simulation):
+            self._compare(runner)
+            owners = owners_of(runner)
+            mine = {slot for slot in runner.SLOTS if owners.of(slot) == "mine"}
+            code = {slot for slot in mine if not _is_open(runner, slot)}
+            lacks = [f"{slot} from a cell or a script" for slot in sorted(code)]
+            lacks += sorted(self._unknown)
+        if lacks:
+            with TemporaryDirectory() as folder:
+                file = Path(folder, "run.npz")
+                record.trace.save(file)
+                return file.name, file.read_bytes(), ", ".join(lacks)
+        from robsim.gui.replays import ReplayFile, digest_of
+
+        now = record.n_resets
+        changes = [
+            (k, stage, what) if resets == now else (0, "world", what)
+            for resets, k, stage, what in self._changes
+            if k < record.n_steps or resets != now
+        ]
+        replay = ReplayFile(
+            scenario=self._start.to_toml(),
+            slots=self._slots,
+            files=_texts(self._first_files),
+            changes=changes,
+            steps=record.n_steps,
+            digest=digest_of(record),
+        )
+        return "run.replay", replay.to_text().encode(), ""
+
+    def _share(self, link: Link, message: dict[str, Any]) -> None:
+        if not self.setup()["can_share"]:
+            raise Refused("what is played back is in a file already: share that")
+        if not self.panel.record.n_steps:
+            raise Refused("there is nothing to share yet: press Start")
+        if self._making.is_busy:
+            raise Refused("it is being made")
+
+        def make() -> tuple[str, bytes, str, tuple[str, bytes]]:
+            return *self.panel.driver.ask(self._replay), self._clip()
+
+        self._making.begin(make, lambda made: self._made(link, made))
+
+    def _made(self, link: Link, made: tuple[str, bytes, str, tuple[str, bytes]] | None) -> None:
+        if made is None:
+            link.refuse("The run could not be shared")
+            return
+        name, content, lacks, (clip, film) = made
+        head = {"type": "shared", "name": name, "lacks": lacks, "clip": clip if film else ""}
+        link.send(head, [film, content])
+
+    def _clip(self) -> tuple[str, bytes]:
+        """Return the name and the content of the clip; no content without frames."""
+        from robsim.plotting.images.replay import annotated_frames
+        from robsim.vision.imaging.video import load_av, save_video
+
+        runner, trace = self.panel.runner, self.panel.record.trace
+        assert isinstance(runner, Runner)
+        rate = max(_LEAST_RATE, 1 / trace.info.dt)
+        trace = trace[-int(_SECONDS * rate) :]
+        drawn = annotated_frames(self._frames(trace.k), trace, simulation=runner)
+        pictures = [_reduced(pixels) for pixels in drawn]
+        if not pictures:
+            return "", b""
+        with TemporaryDirectory() as folder:
+            try:
+                load_av("a clip")
+                file = Path(folder, "run.webm")
+                save_video(file, pictures, fps=rate)
+            except ImportError:
+                file = Path(folder, "run.gif")
+                Clip(pictures, fps=min(60.0, rate), width=_WIDTH).save(file)
+            return file.name, file.read_bytes()
+
+    def _frames(self, ks: Any) -> Iterator[Frame | None]:
+        for k in map(int, ks):
+            try:
+                yield self.panel.driver.ask(partial(self.panel.record.frame, k))
+            except LookupError:  # of a camera, gone; or the run was reset
+                yield None
+
+
+def _reduced(pixels: Pixels) -> Pixels:
+    from robsim.vision.imaging.images import resized
+
+    height, width = pixels.shape[:2]
+    scale = min(1.0, _WIDTH / max(height, width))
+    return resized(pixels, round(width * scale / 2) * 2, round(height * scale / 2) * 2)
+
+
+def _is_open(runner: Simulation, slot: str) -> bool:
+    """Whether a file of the folder fills a slot."""
+    return slot in runner._from_folder and runner._given[slot] in (None, True)
+
+
+def _world(runner: Simulation) -> Scenario:
+    return runner.scenario
+
+
+def _files(runner: Simulation) -> Any:
+    return runner._folder.sources if runner._folder is not None else _NO_FILES
+
+
+_NO_FILES: dict[str, bytes] = {}
+
+
+def _texts(files: Any) -> dict[str, str]:
+    return {name: text.decode("utf-8", "replace") for name, text in files.items()}

@@ -1,0 +1,123 @@
+"""Share: a clip, and a file from which a run is run again, to the bit."""
+
+import json
+
+import numpy as np
+import pytest
+
+import robsim
+from browsers import FakeBrowser
+from commands import command
+from robsim.gui.replays import ReplayFile
+from waiting import wait_for
+
+SMALL = {"area": (300, 300), "measure": True, "seed": 3}
+
+
+def shared(panel):
+    """What a browser gets: the head, the clip, the file."""
+    browser = FakeBrowser(panel._view)
+    browser.say("share")
+    head, (clip, file) = browser.take("shared")
+    return head, clip, file
+
+
+def steps(panel, count):
+    for _ in range(count):
+        panel.step()
+
+
+def columns(panel):
+    return panel._view.record.columns()
+
+
+def check_equal(one, other):
+    assert one.keys() == other.keys()
+    for name in one:
+        assert np.array_equal(one[name], other[name], equal_nan=True), name
+
+
+@pytest.mark.slow
+def test_a_run_with_changes_is_the_same_again(tmp_path):
+    with robsim.panel(robsim.Simulation(**SMALL)) as panel:
+        panel.message("set", name="noise", value="gaussian")
+        steps(panel, 3)
+        panel.reset()
+        steps(panel, 4)
+        panel.message("go_to", x=100, y=100)
+        panel.step_stage()
+        panel.step_stage()
+        panel.message("set", name="state", value="default")
+        steps(panel, 3)
+        head, clip, file = shared(panel)
+        (tmp_path / "run.replay").write_bytes(file)
+        assert (head["name"], head["lacks"]) == ("run.replay", "")
+        assert clip[:4] in (b"\x1aE\xdf\xa3", b"GIF8")
+        with robsim.gui.replay(tmp_path / "run.replay") as again:
+            check_equal(columns(panel), columns(again))
+            assert shared(again)[2] == file
+
+
+@pytest.mark.slow
+def test_the_callbacks_of_a_folder_go_with_it_and_run_when_trusted(folder, tmp_path):
+    control = "import helper\n\n\ndef control(step):\n    return {}, helper.U\n"
+    (folder / "helper.py").write_text("U = 0.3\n")
+    (folder / "control.py").write_text(control.format(0.1))
+    with robsim.panel(robsim.Simulation.from_folder(folder, **SMALL)) as panel:
+        steps(panel, 3)
+        (folder / "control.py").write_text(control.format(0.25))
+        wait_for(lambda: "control" in panel._view.runner._folder.changed)
+        steps(panel, 3)
+        file = tmp_path / "run.replay"
+        head, _, content = shared(panel)
+        assert head["lacks"] == ""
+        file.write_bytes(content)
+        with pytest.raises(PermissionError, match=r"helper\.py \(1 line"):
+            robsim.gui.replay(file)
+        with robsim.gui.replay(file, trust=True) as again:
+            check_equal(columns(panel), columns(again))
+            assert again.trace.u[:, 0].tolist() == [0.1] * 3 + [0.25] * 3
+    refused = command("replay", str(file))  # nobody answers
+    assert refused.exit_code == 1
+    assert "helper.py, 1 lines" in refused.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["cell", "option", "camera"])
+def test_what_cannot_be_run_again_is_a_recording(how, tmp_path):
+    simulation = robsim.Simulation(**SMALL)
+    if how == "cell":
+        simulation.control = lambda step: (0.1, 0.2)
+    what = simulation
+    if how == "camera":
+        what = robsim.Experiment((simulation.step().frame for _ in range(9)), area=(300, 300))
+    with robsim.panel(what) as panel:
+        steps(panel, 2)
+        if how == "option":
+            simulation.noise = robsim.GaussianNoise(5)
+        steps(panel, 1)
+        head, _, file = shared(panel)
+        (tmp_path / "run.npz").write_bytes(file)
+        assert head["name"] == "run.npz"
+        assert head["lacks"]
+        assert len(robsim.Trace.load(tmp_path / "run.npz")) == 3
+
+
+def test_a_damaged_file_is_refused(tmp_path):
+    good = ReplayFile("format = 1\n", ["control"], {"control": "1/0"}, [[2, "world", {}]], 3, "")
+    told = json.loads(good.to_text())
+    file = tmp_path / "run.replay"
+    wrong = {
+        "format": ["robsim replay 2", None],
+        "files": [{"../x": ""}, {"a": 1}, []],
+        "changes": [[[4, "world", {}]], [[1, 2]], [[0, "world", {"type": "press"}]], [3]],
+        "slots": [["nothing"], [{}]],
+        "steps": [-1, "3", 10**9],
+    }
+    texts = [json.dumps(told | {name: value}) for name in wrong for value in wrong[name]]
+    for text in ["", "[]", "{", *texts]:
+        file.write_text(text)
+        with pytest.raises(ValueError, match=r"run\.replay"):
+            ReplayFile.load(file)
+    file.write_text(good.to_text())
+    assert ReplayFile.load(file) == good
