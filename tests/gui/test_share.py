@@ -15,7 +15,7 @@ SMALL = {"area": (300, 300), "measure": True, "seed": 3}
 
 
 def shared(panel):
-    """What a browser gets: the head, the clip, the file."""
+    """Return the head, the clip and the file that a browser gets."""
     browser = FakeBrowser(panel._view)
     browser.say("share")
     head, (clip, file) = browser.take("shared")
@@ -77,7 +77,7 @@ def test_the_callbacks_of_a_folder_go_with_it_and_run_when_trusted(folder, tmp_p
         with robsim.gui.replay(file, trust=True) as again:
             check_equal(columns(panel), columns(again))
             assert again.trace.u[:, 0].tolist() == [0.1] * 3 + [0.25] * 3
-    refused = command("replay", str(file))  # nobody answers
+    refused = command("replay", str(file))  # no answer comes
     assert refused.exit_code == 1
     assert "helper.py, 1 lines" in refused.stdout
 

@@ -33,7 +33,7 @@ def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = Fa
             errors.say("it carries Python code, which would run with your rights:")
             for name, lines in code.items():
                 errors.say(f"  {name}, {lines} lines")
-            with suppress(typer.Abort):  # nobody is there to answer
+            with suppress(typer.Abort):  # no answer comes
                 trust = typer.confirm("Run it?")
             if not trust:
                 raise typer.Exit(1)

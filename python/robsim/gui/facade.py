@@ -15,20 +15,29 @@ from PIL import Image
 
 from robsim._core import Step
 from robsim.base.checks import Floats
+from robsim.base.text import quoted
 from robsim.control.path_following import as_goals
 from robsim.estimation.identification.batch import BatchEstimate
 from robsim.gui._driver import SPEED, State
 from robsim.gui.hosted import AT_EXIT, HostedPanel, lock, opened
 from robsim.gui.panels.view import PanelView, Shown
+from robsim.simulation import Simulation
 from robsim.trace import Trace
 from robsim.vision.imaging import images
 
 if TYPE_CHECKING:
     from robsim.gui.tools.colors.panel import ColorPanel
     from robsim.gui.tools.robots.panel import RobotPanel
+    from robsim.teach.tasks import Task
 
 
-def panel(what: Shown, *, speed: float | None = None, goals: ArrayLike | None = None) -> Panel:
+def panel(
+    what: Shown,
+    *,
+    speed: float | None = None,
+    goals: ArrayLike | None = None,
+    task: Task | None = None,
+) -> Panel:
     """Open the panel of a run: camera view, controls, traces, callbacks.
 
     In a notebook it is shown as the last line of a cell, and runs beside other cells. In a script
@@ -45,7 +54,10 @@ def panel(what: Shown, *, speed: float | None = None, goals: ArrayLike | None = 
         the pace itself. Default: 5, or as it is if the panel is open.
     goals : array_like (2,), (3,) or (N, 2), optional
         Where the robot is to go, drawn in the picture of a panel that is made: a position, a pose,
-        or the waypoints of a path (work-area px), such as `goals` of a task.
+        or the waypoints of a path (work-area px). Default: `goals` of the task.
+    task : Task, optional
+        The task of a simulation, such as ``task.simulation()``: a panel that is made shows its
+        score during the run, and the best score of this machine.
 
     Returns
     -------
@@ -85,13 +97,23 @@ def panel(what: Shown, *, speed: float | None = None, goals: ArrayLike | None = 
     >>> panel.close()
     """
     asked = None if goals is None else as_goals(goals)
+    if task is not None:
+        _check_task(task, what)
     with lock:
         found = _panel_of(what)
         if found is None:
-            found = Panel(what, SPEED if speed is None else speed, asked)
+            found = Panel(what, SPEED if speed is None else speed, asked, task)
         elif speed is not None:
             found.speed = speed
         return found
+
+
+def _check_task(task: Any, what: Any) -> None:
+    from robsim.teach.tasks.definition import check_task
+
+    check_task(task)
+    if not isinstance(what, Simulation):
+        raise TypeError(f"task needs a Simulation as `what`, got {quoted(what)}")
 
 
 def is_shown(what: Shown) -> bool:
@@ -133,9 +155,11 @@ class Panel(HostedPanel):
     _maker = "robsim.panel"
     _view: PanelView
 
-    def __init__(self, what: Shown, speed: float, goals: Floats | None = None) -> None:
+    def __init__(
+        self, what: Shown, speed: float, goals: Floats | None = None, task: Task | None = None
+    ) -> None:
         self._what = what
-        self._view = PanelView(what, speed=speed, goals=goals)
+        self._view = PanelView(what, speed=speed, goals=goals, task=task)
         super().__init__()
 
     # What it does.

@@ -81,7 +81,7 @@ class ReplayFile:
             k, stage, told = change
             if k >= 0 and told.get("type", _MESSAGES[0]) in _MESSAGES:
                 return k, stage, told
-        raise ValueError("one of its changes is none")
+        raise ValueError("a change is damaged")
 
     @property
     def code(self) -> dict[str, int]:

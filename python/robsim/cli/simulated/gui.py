@@ -93,7 +93,9 @@ def gui(
         if path is None and base is None:
             world["control"] = world["control"] or _CONTROL
         options = options_of(path, world, scenario=base, time_limit=time_limit)
-        with panel(_shown(path, saved, options), speed=factor, goals=goals) as opened:
+        scored = None if saved is not None else chosen_task
+        shown = _shown(path, saved, options)
+        with panel(shown, speed=factor, goals=goals, task=scored) as opened:
             show_panel(opened, port, is_wanted=not no_browser)
             if chosen_task is not None:
                 errors.say(_scored(chosen_task, opened.trace))

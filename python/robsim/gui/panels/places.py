@@ -58,7 +58,7 @@ def source_in(runner: Simulation | Experiment, slot: str) -> tuple[str, int]:
     value = runner._callbacks[slot]
     if (file := _file_in_folder(runner, slot)) is not None:
         text, first = file.read_text("utf-8", errors="replace"), 1
-    elif is_code(value) and not _is_ours(value):
+    elif is_code(value) and not is_ours(value):
         text, first = _code_of(value)
     else:
         text, first = _example(runner, slot), 1
@@ -96,6 +96,6 @@ def _file_in_folder(runner: Simulation | Experiment, slot: str) -> Path | None:
     return file if file.is_file() else None
 
 
-def _is_ours(value: object) -> bool:
+def is_ours(value: object) -> bool:
     module = getattr(inner_of(value), "__module__", None) or ""
     return module.partition(".")[0] == "robsim"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from robsim._core import Step
 from robsim.base.checks import Floats
@@ -24,6 +24,7 @@ from robsim.gui.panels.part import MESSAGES, Handlers, Part
 from robsim.gui.panels.record import ExperimentRecord, Record, SavedRecord, SimulationRecord
 from robsim.gui.panels.run.callbacks import Callbacks
 from robsim.gui.panels.run.camera import CameraView
+from robsim.gui.panels.run.challenge import Challenge
 from robsim.gui.panels.run.controls import Controls
 from robsim.gui.panels.run.scenario import ScenarioOptions
 from robsim.gui.panels.run.share import Share
@@ -34,6 +35,9 @@ from robsim.simulation import Experiment, Simulation
 from robsim.trace import Trace
 from robsim.trace.sessions.session import Session
 from robsim.vision.imaging.recordings import Recording
+
+if TYPE_CHECKING:
+    from robsim.teach.tasks import Task
 
 _MOST_COMMANDS = 100  # of browsers that wait for the run, such as while a callback hangs
 _PATIENCE = 2.0  # s for a page that is loaded anew to come back
@@ -47,9 +51,16 @@ class PanelView(View):
     kind: ClassVar[str] = "panel"
     messages: ClassVar[Messages] = MESSAGES
 
-    def __init__(self, shown: Shown, *, speed: float = SPEED, goals: Floats | None = None) -> None:
+    def __init__(
+        self,
+        shown: Shown,
+        *,
+        speed: float = SPEED,
+        goals: Floats | None = None,
+        task: Task | None = None,
+    ) -> None:
         super().__init__()
-        self.goals = goals
+        self.goals = task.goals if goals is None and task is not None else goals
         #: Shows the page that it was opened from, if there is one; in the thread of the view.
         self.go_home: Callable[[], None] | None = None
         self.runner, self.record = _runner_and_record(shown)
@@ -68,6 +79,8 @@ class PanelView(View):
         self.tools = Tools(self)
         analysis = (self.past, self._result, self.still, self.rows, self.tools, self.share)
         self._parts: list[Part] = [self.camera, *made, *analysis]
+        if task is not None:
+            self._parts.append(Challenge(self, task))
         self._handlers = {**super().handlers()}
         for part in self._parts:
             self._handlers |= part.handlers()

@@ -59,7 +59,7 @@ class Start(HostedPanel):
 
         self._drop()
         scene = scene_of(card)
-        panel = Panel(scene.what, SPEED if scene.task is None else 1.0)
+        panel = Panel(scene.what, SPEED if scene.task is None else 1.0, task=scene.task)
         self._panel, self._scene = panel, scene
         scene.begin(panel._view)
         panel._view.go_home = self._home

@@ -6,6 +6,7 @@ import { makeParameterCharts } from "./charts/parameters.js";
 import { makeTraces } from "./charts/traces.js";
 import { makeCallbacks } from "./parts/callbacks.js";
 import { makeCamera } from "./parts/camera.js";
+import { makeChallenge } from "./parts/challenge.js";
 import { makeControls } from "./parts/controls.js";
 import { makeInspector } from "./parts/inspector.js";
 import { makeKeyboard } from "./parts/keyboard.js";
@@ -61,7 +62,8 @@ function layOut(context, camera, place) {
     scenario: makeScenario(context),
   });
   const view = make("div.robsim-view.robsim-surface", camera.element, trouble.element);
-  const left = [makeTitle(context), { element: view }, transport, timeline, makeControls(context)];
+  const left = [makeTitle(context), { element: view }, transport, timeline,
+    makeChallenge(context), makeControls(context)];
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
     share.element, trouble.lost];
   const panel = make("div.robsim-panel", { tabIndex: -1 },

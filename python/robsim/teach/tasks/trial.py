@@ -442,3 +442,37 @@ def _limits(task: Task) -> tuple[Mapping[str, ScoreLimit], bool]:
     if shipped is None:
         return {}, False
     return shipped.limits, shipped.task_digest == task_digest(task)
+
+
+def reference_run(task: Task, seed: np.random.SeedSequence) -> Trace:
+    """Return the run of the reference in the world of a seed."""
+    own = next(one for one in task.solutions if one.name == REFERENCE)
+    with quiet(), solution_folder(task, own).callbacks() as callbacks:
+        return task.simulation(seed=seed, **callbacks).run(task.steps)
+
+
+def trial_of(task: Task, trace: Trace, reference: Trace) -> TaskTrial:
+    """Return the trial of one run, or its beginning, beside the reference in the same world."""
+    own, other = task.score(trace), task.score(reference)
+    limits, are_own = _limits(task)
+    rule = task.broken_rule(trace)
+    return TaskTrial(
+        task=task,
+        solution="run",
+        seed=0,
+        values={score.name: (own[score.name],) for score in task.scores},
+        reference={score.name: (other[score.name],) for score in task.scores},
+        limits=limits,
+        failed={},
+        broken=() if rule is None else (0,),
+        rule=rule,
+        worst=0,
+        trace=trace,
+        reference_trace=reference,
+        has_own_limits=are_own,
+    )
+
+
+def stars_of(trial: TaskTrial) -> int:
+    """Return 3 stars for all points, 2 for nearly all, 1 for more than chance gives."""
+    return trial.is_solved + (trial.points >= _NEARLY) + (trial.points > _SOME)

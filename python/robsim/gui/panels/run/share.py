@@ -31,7 +31,7 @@ class Share(Part):
         super().__init__(panel)
         self._making = panel.beside("robsim share")
         self._changes: list[tuple[int, int, str, dict[str, Any]]] = []  # resets, step, stage, what
-        self._unknown: set[str] = set()  # what was changed by something else than the panel
+        self._unknown: set[str] = set()  # changes by other code than the panel
         if isinstance(runner := panel.runner, Simulation):
             self._unknown |= {*runner._changed}
             self._known = self._start = _world(runner)
@@ -109,7 +109,7 @@ class Share(Part):
 
     def _share(self, link: Link, message: dict[str, Any]) -> None:
         if not self.setup()["can_share"]:
-            raise Refused("what is played back is in a file already: share that")
+            raise Refused("this run is played back from a file: share the file")
         if not self.panel.record.n_steps:
             raise Refused("there is nothing to share yet: press Start")
         if self._making.is_busy:

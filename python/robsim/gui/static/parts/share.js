@@ -6,7 +6,7 @@ import { make, text } from "../base/dom.js";
 const KINDS = { webm: "video/webm", gif: "image/gif" };
 
 export function makeShare(context) {
-  const urls = []; // of what is shown
+  const urls = []; // of the clip and the file
   const forget = () => urls.splice(0).forEach((url) => URL.revokeObjectURL(url));
   const urlOf = (buffer, type) => {
     urls.push(URL.createObjectURL(new Blob([asBytes(buffer)], { type })));
