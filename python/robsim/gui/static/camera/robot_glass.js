@@ -34,7 +34,7 @@ export function makeRobotGlass(context) {
     { glass: 0, zoom: () => zoom, over, imageOf, label: text("robot_glass") });
   glass.canvas.role = "img";
   const element = make("div.robsim-robot-glass", { hidden: true }, glass.canvas, words);
-  /** Show what is at a pixel, or both markers, in a scene; false: nothing. */
+  /** Show the place of a pixel, or both markers, in a scene; false: nothing. */
   const show = (scene, pointed) => {
     const { measured, held, estimate } = context.frame;
     const pose = measured ?? held ?? estimate?.pose;
