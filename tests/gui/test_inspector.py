@@ -1,14 +1,16 @@
 """A step as a tree."""
 
+import io
 import json
 import threading
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import robsim
 from browsers import panel_of
-from robsim.gui.panels.analysis.inspector import child_of, nodes_of
+from robsim.gui.panels.analysis.inspector import child_of, nodes_of, picture_of, table_of
 
 
 def named(nodes):
@@ -188,3 +190,32 @@ def test_a_level_is_bounded():
     assert nodes[-1]["text"] == "only the first 200 are shown"
     with pytest.raises(KeyError):
         child_of(list(range(1000)), "[500]")
+
+
+def test_an_array_is_told_as_a_picture_and_a_small_one_as_a_table(simulation):
+    with panel_of(simulation) as (_, browser):
+        browser.say("inspect", k=3, path=["frame", "image"])
+        head, buffers = browser.take("tree", path=["frame", "image"])
+        shown = np.array(Image.open(io.BytesIO(buffers[0])))
+        wanted = simulation.render_step(3).image[::3, ::3]
+        assert head["picture"] == {"size": [1200, 1200]}
+        assert head["table"] is None
+        np.testing.assert_array_equal(shown, wanted)
+        browser.say("inspect", k=3, path=["parameters"])
+        head, buffers = browser.take("tree", path=["parameters"])
+        assert np.shape(head["table"]) == (3, 5)
+        assert (head["picture"], len(buffers)) == (None, 0)
+
+
+def test_a_plane_of_numbers_is_grey_between_its_ends():
+    heights = np.arange(400.0).reshape(20, 20)
+    heights[0, 0] = np.nan
+    about, picture = picture_of(heights)
+    assert about == {"size": [20, 20], "low": 1.0, "high": 399.0}
+    shown = np.array(Image.open(io.BytesIO(picture)))
+    assert (shown[0, 1], shown[-1, -1]) == (0, 255)
+    assert picture_of(np.full((20, 20), np.inf))[0] == {"size": [20, 20], "low": 0.0, "high": 0.0}
+    mask = np.eye(20, dtype=bool)
+    assert np.array_equal(np.array(Image.open(io.BytesIO(picture_of(mask)[1]))) == 255, mask)
+    assert picture_of(np.zeros((20, 3))) is None
+    assert table_of(np.zeros((0, 3))) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import io
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from robsim._core import Frame, Step
 from robsim.base.text import one_line, quoted, said_by
@@ -25,6 +27,9 @@ _CODE = (type, FunctionType, BuiltinFunctionType, MethodType, ModuleType)
 _CONTAINERS = (list, tuple, set, frozenset)
 _ROUNDED = ("number", "array", "object")  # kinds whose texts have numbers, not those of a user
 _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d*)?(?:e[-+]?\d+)?(?=j?(?![\w.]))")
+
+_MOST_CELLS = 12  # along a side of a table
+_LEAST_PIXELS, _MOST_PIXELS = 16, 480  # along a side of a picture
 
 
 @dataclass(frozen=True)
@@ -199,6 +204,40 @@ def _asked(value: Any, name: str) -> Any:
         return Missing(str(error))
 
 
+def table_of(value: Any) -> list[list[str]] | None:
+    """Return the texts of a small array of numbers (rows, columns); None for other values."""
+    if not _is_plane(value) or max(value.shape) > _MOST_CELLS:
+        return None
+    return [[_NUMBER.sub(_rounded, quoted(one)) for one in row] for row in value.tolist()]
+
+
+def picture_of(value: Any) -> tuple[dict[str, Any], bytes] | None:
+    """Return the fields of the message for an array, and its picture (PNG); None for other values.
+
+    Numbers are grey, from the smallest finite one to the largest. A large array is reduced.
+    """
+    is_image = _is(value, np.ndarray) and value.dtype == np.uint8 and value.shape[2:] == (3,)
+    if not (is_image or _is_plane(value)) or min(value.shape[:2]) < _LEAST_PIXELS:
+        return None
+    step = -(-max(value.shape[:2]) // _MOST_PIXELS)
+    pixels, ends = np.asarray(value)[::step, ::step], {}
+    if not is_image:
+        numbers = pixels.astype(np.float64)
+        finite = numbers[np.isfinite(numbers)]
+        low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+        scaled = (np.nan_to_num(numbers, nan=low).clip(low, high) - low) / ((high - low) or 1.0)
+        pixels, ends = np.rint(255 * scaled).astype(np.uint8), {"low": low, "high": high}
+    out = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(pixels)).save(out, "PNG", compress_level=1)
+    return {"size": [*value.shape[1::-1]], **ends}, out.getvalue()
+
+
+def _is_plane(value: Any) -> bool:
+    return (
+        _is(value, np.ndarray) and value.ndim == 2 and value.size > 0 and value.dtype.kind in "biuf"
+    )
+
+
 class Inspector(Part):
     """Tells what a step holds, level by level."""
 
@@ -247,5 +286,8 @@ def _tell(link: Link, step: Step | None, path: list[str]) -> None:
         nodes = nodes_of(value)
     except KeyError:
         nodes = []
+        value = None
     k = None if step is None else step.k
-    link.send({"type": "tree", "k": k, "path": path, "nodes": nodes})
+    about, *picture = picture_of(value) or (None,)
+    head = {"type": "tree", "k": k, "path": path, "nodes": nodes}
+    link.send({**head, "table": table_of(value), "picture": about}, picture)

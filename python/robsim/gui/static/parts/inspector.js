@@ -1,42 +1,36 @@
 // What a step holds, as a tree; each level is asked for when it is opened.
-import { make, say, text } from "../base/dom.js";
+import { asPicture } from "../base/buffers.js";
+import { make, text } from "../base/dom.js";
 import { listenToKeys } from "../base/gestures.js";
 import { makeCopyButton } from "./source.js";
 
-const ASK_GAP = 200; // ms between two looks while the steps go on
-const SLOW_SPEED = 1; // times real time: up to there one can read what changes
+const ASK_GAP = 300; // ms between two looks while the steps go on
 const ROOT = { python: "step", kind: "object" };
 
 const keyOf = (path) => JSON.stringify(path);
 
 export function makeInspector(context) {
   const step = make("span.robsim-card-title");
-  const note = make("span.robsim-quiet");
   const python = make("span.robsim-code.robsim-inspector-path.robsim-clipped");
   const copy = makeCopyButton(() => python.textContent);
-  const head = make("div.robsim-inspector-head.robsim-row", step, note, python, copy);
+  const head = make("div.robsim-inspector-head.robsim-row", step, python, copy);
   const send = (path) => context.send({ type: "inspect", k: context.looking, path });
   const tree = makeTree(send, (item) => (python.textContent = item.python));
   const element = make("div.robsim-inspector.robsim-column", head, tree.element);
 
-  const isReadable = () => {
-    const { state, speed } = context.state;
-    return state != "running" || context.setup?.live || (speed > 0 && speed <= SLOW_SPEED);
-  };
   let asked = 0;
   let waiting = 0;
   const ask = () => {
-    const remark = isReadable() ? "" : text("inspector.too_fast");
-    say(note, remark);
-    if (remark || waiting || element.offsetParent === null) return;
+    if (waiting || element.offsetParent === null) return;
     waiting = setTimeout(() => {
       [waiting, asked] = [0, performance.now()];
       tree.opened().forEach(send);
     }, Math.max(0, asked + ASK_GAP - performance.now()));
   };
-  context.on("tree", ({ k, path, nodes }) => {
+  context.on("tree", ({ k, path, nodes, table, picture }, buffers) => {
     step.textContent = k == null || k < 0 ? text("inspector.start") : text("inspector.step", { k });
     tree.fill(path, nodes);
+    tree.showArray(path, table, picture, buffers?.[0]);
   });
   context.on("frame state looking", ask);
   context.on("local", (name) => name == "tab" && requestAnimationFrame(ask)); // when it is shown
@@ -100,6 +94,10 @@ function makeTree(ask, chosen) {
     const first = element.firstElementChild;
     if (first && !element.querySelector("[tabindex='0']")) focus(first, false);
   };
+  const showArray = (path, ...array) => {
+    const item = lists.get(keyOf(path))?.closest("[role=treeitem]");
+    if (item) fillArray(item, ...array);
+  };
   listenToKeys(element, (event) => {
     const item = event.target.closest?.("[role=treeitem]");
     if (!item || !TREE_KEYS[event.key]) return false;
@@ -108,7 +106,7 @@ function makeTree(ask, chosen) {
     const next = TREE_KEYS[event.key](item, shown, toggle);
     if (next) focus(next);
   });
-  return { element, fill, opened: () => [...opened.values()] };
+  return { element, fill, showArray, opened: () => [...opened.values()] };
 }
 
 // What a key does in a tree: (item, all that are shown, toggle) gives the item to go to.
@@ -134,9 +132,33 @@ function makeTreeItem(path, python) {
     make("span.robsim-quiet")];
   const line = make("div.robsim-node", ...cells);
   const list = make("ul", { role: "group" });
+  const array = make("div.robsim-array", { hidden: true });
   const item = make("li", { role: "treeitem", tabIndex: -1, ariaLevel: String(path.length) }, line,
-    list);
-  return Object.assign(item, { path, python, line, list });
+    array, list);
+  return Object.assign(item, { path, python, line, array, list });
+}
+
+/** Show an array as a table, if it is small, or as a picture, above its rows. */
+async function fillArray({ array, python }, table, picture, buffer) {
+  array.hidden = !table && !picture;
+  if (table) {
+    const rows = table.map((row) =>
+      make("tr", ...row.map((number) => make("td.robsim-number", number))));
+    array.replaceChildren(make("table.robsim-code", ...rows));
+  }
+  if (!picture) return;
+  const image = await asPicture(buffer, "image/png");
+  const old = array.querySelector("canvas");
+  const canvas = old ?? make("canvas", { role: "img", ariaLabel: python });
+  [canvas.width, canvas.height] = [image.width, image.height];
+  canvas.getContext("2d").drawImage(image, 0, 0);
+  image.close();
+  const [width, height] = picture.size;
+  const { low, high } = picture;
+  const about = text(low == null ? "inspector.image" : "inspector.grey",
+    { width, height, low: Number(low?.toPrecision(6)), high: Number(high?.toPrecision(6)) });
+  if (!old) array.replaceChildren(canvas, make("span.robsim-quiet"));
+  array.lastChild.textContent = about;
 }
 
 function showNode(item, { name, text: value, full = value, kind, more }) {
