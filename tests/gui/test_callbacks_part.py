@@ -13,6 +13,7 @@ import pytest
 
 import robsim
 from robsim.gui.panels import editor as lab
+from robsim.gui.panels.code_colors import code_colors
 from waiting import wait_for
 
 pytestmark = pytest.mark.long
@@ -367,3 +368,67 @@ def test_an_implausible_result_is_noted_once_per_run(watch):
         assert len(noted()) == runs
         assert "1000000" in noted()[-1]
         watcher.say("press", button="reset")
+
+
+def test_a_default_becomes_a_file_of_the_users_that_drives(watch, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("robsim.gui.panels.run.callbacks.open_in_editor", lambda *_: None)
+    sim = small()
+    watcher = watch(sim)
+    assert slot(watcher, "control")["can_make"]
+    watcher.say("make_mine", slot="control")
+    watcher.settle()
+    file = tmp_path / "mine" / "control.py"
+    told = watcher.newest("source")
+    assert (told["file"], told["text"]) == (str(file), file.read_text())
+    assert slot(watcher, "control")["owner"] == "mine"
+    assert not slot(watcher, "control")["can_make"]
+    watcher.press("step")
+    watcher.say("make_mine", slot="measure")
+    watcher.settle()
+    assert slot(watcher, "measure")["owner"] == "mine"  # whose template is switched off
+    watcher.say("make_mine", slot="define_model")  # which has been called
+    watcher.settle()
+    assert slot(watcher, "define_model")["owner"] == "default"
+    watcher.press("reset")
+    watcher.press("step")
+    assert slot(watcher, "define_model")["owner"] == "mine"
+
+
+def test_parts_of_code_have_their_kinds():
+    lines = code_colors('def f(x):\n    """One\n    two."""\n    return 1 + len(x)  # "no"\n')
+    assert (4, 5, "name") in lines[0]
+    assert lines[1][0][::2] == (4, "string")
+    assert lines[2][0] == (0, 11, "string")
+    assert [kind for *_, kind in lines[3]] == ["keyword", "number", "builtin", "comment"]
+    assert code_colors("x = '\n1")[0] == []  # while it is written
+
+
+def test_the_last_lines_that_callbacks_print_are_told(watch, capsys):
+    def chatty(step):
+        for i in range(300):
+            print(step.k, i)
+        print("no end", end="")
+        return 0.0, 0.0
+
+    watcher = watch(small(control=chatty))
+    watcher.press("step")
+    wait_for(lambda: watcher.newest("printed")["lines"])
+    lines = watcher.newest("printed")["lines"]
+    assert (len(lines), lines[-1]) == (100, ["control", "0 299"])
+    assert "0 299\nno end" in capsys.readouterr().out
+    watcher.press("reset")
+    wait_for(lambda: not watcher.newest("printed")["lines"])
+
+
+@pytest.mark.slow
+def test_the_doctor_names_the_line(watch, tmp_path):
+    (tmp_path / "control.py").write_text(
+        "def control(step):\n    print('hi')\n    return step.measurement.pose[:2]\n"
+    )
+    watcher = watch(robsim.Simulation.from_folder(tmp_path, resolution=SIZE))
+    watcher.say("check", slot="control")
+    wait_for(lambda: watcher.of("remarks"))
+    remarks = watcher.newest("remarks")
+    assert remarks["slot"] == "control"
+    assert 3 in [number for number, _ in remarks["lines"]]

@@ -98,6 +98,8 @@ MESSAGES: Messages = {
     "inspect": {"k": maybe(whole), "path": list_of(text, _MOST_NAMES)},
     "source": {"slot": text},
     "edit": {"slot": text},
+    "make_mine": {"slot": text},
+    "check": {"slot": text},
     "animate": {"on": switch},
     "keep": {},
     "reference": {},

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
 import subprocess
+import sys
 import time
+from concurrent.futures import Future
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robsim._core import Step
 from robsim.base.text import said_by
 from robsim.gui._driver import Playback
 from robsim.gui._link import Link, Refused
+from robsim.gui.panels.code_colors import code_colors
 from robsim.gui.panels.editor import lab_link, open_in_editor
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.places import name_in, place_in, source_in
+from robsim.gui.panels.run.make_mine import can_make, make_mine
+from robsim.gui.panels.run.prints import HeardCalls
 from robsim.gui.panels.settings.owners import owners_of
 from robsim.simulation.callbacks.errors import callback_of
-from robsim.simulation.callbacks.signatures import CallTimes
-from robsim.simulation.slots import SLOTS
+from robsim.simulation.slots import AT_START, SLOTS
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 
 _GAP = 1.0  # s between two messages while it runs, and two looks while it does not
+_PATIENCE = 120.0  # s that a check may take
 
 _Slots = list[dict[str, Any]]
 
@@ -39,7 +48,7 @@ class Callbacks(Part):
         self._runner = panel.runner
         self._owners = owners_of(self._runner)
         self._slots = [slot for slot in SLOTS if slot in self._runner.SLOTS]
-        self._times = CallTimes()
+        self._times = HeardCalls()
         self._runner._time_calls(self._times)
         self._means: dict[
             str, tuple[int, float, float | None]
@@ -50,12 +59,21 @@ class Callbacks(Part):
         self._due = self._may_edit = 0.0
         self._noted: set[str] = set()  # doubts
         self._is_trouble_told = False
+        self._n_printed = self._n_resets = 0  # as the browsers know them
+        self._beside = panel.beside("robsim check")
+        self._check: subprocess.Popen[bytes] | None = None
 
     def handlers(self) -> Handlers:
-        return {"source": self._source, "edit": self._edit}
+        own = {"source": self._source, "edit": self._edit}
+        return {**own, "make_mine": self._make_mine, "check": self._begin_check}
 
     def greet(self, link: Link) -> None:
         self._send(link, self._described())
+        link.send(self._printed())
+
+    def close(self, timeout: float) -> None:
+        if (check := self._check) is not None:
+            check.kill()
 
     def take(self, step: Step) -> None:
         doubts = self._runner._doubts
@@ -70,7 +88,12 @@ class Callbacks(Part):
     def changed(self) -> None:
         if self.panel.driver.state == "closed":
             self._runner._time_calls(None)
+            self._times.end()
+        if self._n_resets != self.panel.record.n_resets:
+            self._n_resets = self.panel.record.n_resets
+            self._times.clear()
         self._tell()
+        self._tell_printed()
 
     def look(self, now: float) -> float:
         if not any(link.is_watched for link in self.panel.links):
@@ -79,6 +102,7 @@ class Callbacks(Part):
             self._due = now + _GAP
             self._look_at_editors()
             self._tell()
+            self._tell_printed()
         return self._due
 
     def _tell(self) -> None:
@@ -90,6 +114,14 @@ class Callbacks(Part):
             for link in self.panel.links:
                 if link.is_watched:
                     self._send(link, slots)
+
+    def _tell_printed(self) -> None:
+        if self._times.n_heard != self._n_printed:
+            self._n_printed = self._times.n_heard
+            self.panel.send(self._printed())
+
+    def _printed(self) -> dict[str, Any]:
+        return {"type": "printed", "lines": [[*line] for line in self._times.lines.copy()]}
 
     def _tell_gone(self) -> None:
         """Say what takes the place of files that the folder had, and has no longer."""
@@ -123,10 +155,17 @@ class Callbacks(Part):
             "line": place.line,
             "link": None if place.file is None else lab_link(place.file),
             "can_edit": place.file is not None,
+            "can_make": self._can_make(slot),
+            "can_check": self._runner._folder is not None and slot in self._runner._from_folder,
             "ms": ms,
             "calls": calls,
             "error": self._error(slot),
         }
+
+    def _can_make(self, slot: str) -> bool:
+        is_off = self._runner._from_folder.get(slot) is False
+        has_none = self._owners.why_not_mine(slot) is not None
+        return (is_off or has_none) and can_make(self._runner, slot)
 
     def _timed(self, slot: str) -> tuple[int, float | None]:
         """Return the number of calls, and how long the newest ones took in the mean (ms)."""
@@ -161,8 +200,61 @@ class Callbacks(Part):
                 "text": text,
                 "file": None if file is None else str(file),
                 "first": first,
+                "colors": code_colors(text),
             }
         )
+
+    def _make_mine(self, link: Link, message: dict[str, Any]) -> None:
+        """Give the slot a file of the user's, show it, and open it in an editor if there is one."""
+        slot = self._known(message)
+        if not self._can_make(slot):
+            raise Refused(
+                f"{slot} has a callback of yours already, or your folder may not have one"
+            )
+        self.panel.check_room()
+
+        def done(made: Future[Path]) -> None:
+            if made.cancelled():
+                return
+            if (error := made.exception()) is not None:
+                link.refuse(f"{slot}.py was not made: {said_by(error)}")
+                return
+            file = made.result()
+            late = slot in AT_START and slot not in self._runner._from_folder
+            then = "used after Reset" if late else "used from the next step on"
+            self.panel.note(f"{file} is yours, {then}", level="info")
+            self._owners.look()
+            self.panel.tell_setup()
+            self.panel.tell_state()
+            self._tell()
+            self._source(link, message)
+            if lab_link(file) is None:
+                with suppress(Refused):  # the source is shown anyway
+                    open_in_editor(file, 1)
+
+        made = self.panel.driver.call(lambda: make_mine(self._runner, slot))
+        made.add_done_callback(lambda made: self.panel.post(lambda: done(made)))
+
+    def _begin_check(self, link: Link, message: dict[str, Any]) -> None:
+        """Let the doctor try a file in a process, which can be ended."""
+        slot, folder = self._known(message), self._runner._folder
+        if folder is None or slot not in self._runner._from_folder:
+            raise Refused(f"{slot} has no file of a folder that can be checked")
+        if self._beside.is_busy:
+            raise Refused("the previous check has not ended yet")
+        command = [sys.executable, "-m", "robsim", "check", str(folder._absolute)]
+        self._check = check = subprocess.Popen(
+            [*command, "--slot", slot, "--json"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+
+        def tell(remarks: dict[str, Any] | None) -> None:
+            self._check = None
+            link.send({"type": "remarks", "slot": slot, **(remarks or {"said": "", "lines": []})})
+
+        self._beside.begin(lambda: _remarks_of(check, f"{slot}.py"), tell)
 
     def _edit(self, link: Link, message: dict[str, Any]) -> None:
         slot = self._known(message)
@@ -193,3 +285,26 @@ class Callbacks(Part):
                 )
                 link.send({"type": "note", "level": "error", "text": text})
         self._opened = waiting
+
+
+def _remarks_of(check: subprocess.Popen[bytes], file: str) -> dict[str, Any]:
+    """Return the remarks of a check, on the file as a whole and on lines (number, text)."""
+    try:
+        printed = check.communicate(timeout=_PATIENCE)[0]
+        told = json.loads(printed[printed.rfind(b"\n{\n") + 1 :])  # behind prints of the callback
+    except subprocess.TimeoutExpired:
+        check.kill()
+        check.communicate()
+        return {"said": [f"the check was ended after {_PATIENCE:g} s"], "lines": []}
+    except ValueError:
+        return {"said": ["the check has ended without a result"], "lines": []}
+    said, lines = [], []
+    places = [(problem["sentence"], problem.get("line") or "") for problem in told["problems"]]
+    for sentence, place in [*places, *((remark, remark) for remark in told["remarks"])]:
+        found = re.search(rf"\b{re.escape(file)}:(\d+)", place)
+        words = re.sub(rf" \({re.escape(file)}:[^)]*\)", "", sentence.removeprefix(f"{file}: "))
+        if found:
+            lines.append([int(found[1]), words])
+        else:
+            said.append(words)
+    return {"said": said or ([] if lines else ["passed all checks"]), "lines": lines}

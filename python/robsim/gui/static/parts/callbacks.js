@@ -13,7 +13,7 @@ export function makeCallbacks(context) {
   const source = makeSource(context);
   const sections = groups.map((group) => group.element);
   const element = make("div.robsim-callbacks");
-  element.append(animate.element, ...sections, source.element);
+  element.append(animate.element, ...sections, makePrinted(context), source.element);
   let rows = new Map(); // slot -> row
   let stage = null;
 
@@ -55,6 +55,21 @@ function makeAnimate(context) {
   const element = make("div.robsim-animate.robsim-row", label, chip);
   context.on("state", ({ animate: isOn }) => (input.checked = isOn));
   return { element, show: (stage) => sayOrHide(chip, stage ? text(`slot.${stage}`) : "") };
+}
+
+/** The last lines that callbacks have printed; it stays at its end unless one scrolls up. */
+function makePrinted(context) {
+  const list = make("ol.robsim-surface.robsim-code.robsim-printed", { tabIndex: 0,
+    ariaLabel: text("printed") });
+  const element = make("section", { hidden: true }, make("h3", text("printed")), list);
+  context.on("printed", ({ lines }) => {
+    const isAtEnd = list.scrollTop + list.clientHeight > list.scrollHeight - 4;
+    element.hidden = !lines.length;
+    list.replaceChildren(...lines.map(([slot, words]) =>
+      make("li", make("span.robsim-quiet", text(`slot.${slot}`)), make("span", words))));
+    if (isAtEnd) list.scrollTop = list.scrollHeight;
+  });
+  return element;
 }
 
 function makeGroup(when) {
@@ -126,14 +141,19 @@ function makeSlotButtons(context, source, slot, title) {
     named(makeTextButton(`${name}_${slot}`, "robsim-plain", press, name), name);
   const edit = button("edit", () => context.send({ type: "edit", slot }));
   const read = button("source", () => source.ask(slot, read));
+  const mine = button("make_mine", () => {
+    source.askedBy(read);
+    context.send({ type: "make_mine", slot });
+  });
   const link = make("a.robsim-button.robsim-plain", { target: "_blank", rel: "noopener" });
   link.textContent = text("edit");
-  const element = make("span.robsim-slot-buttons", named(link, "edit"), edit, read);
-  const show = ({ owner, link: address, can_edit: canEdit }) => {
+  const element = make("span.robsim-slot-buttons", mine, named(link, "edit"), edit, read);
+  const show = ({ owner, link: address, can_edit: canEdit, can_make: canMake }) => {
+    mine.hidden = !canMake;
     link.hidden = !address;
     link.href = address ?? "";
     edit.hidden = !canEdit || !link.hidden;
-    read.hidden = owner == "off";
+    read.hidden = owner == "off" && !canMake;
   };
   return { element, show };
 }

@@ -1,4 +1,4 @@
-// The source of a callback, with the line that failed.
+// The source of a callback: its colours, the line that failed, the doctor's remarks.
 import { makeTextButton } from "../base/buttons.js";
 import { make, text } from "../base/dom.js";
 
@@ -7,14 +7,20 @@ export function makeSource(context) {
   const title = make("span.robsim-card-title");
   const file = make("span.robsim-code.robsim-quiet.robsim-clipped");
   const copy = makeCopyButton(() => shown?.text ?? "");
+  const asking = (name) => makeTextButton(name, "", () =>
+    context.send({ type: name, slot: shown.slot }));
+  const [mine, check] = ["make_mine", "check"].map(asking);
+  check.addEventListener("click", () => fillRemarks({ said: [text("check.busy")], lines: [] }));
   const close = makeTextButton("close_source", "", () => hide(), "close");
   const lines = make("ol.robsim-code.robsim-lines", { tabIndex: 0 });
-  const head = make("div.robsim-source-head.robsim-row", title, file, copy, close);
+  const said = make("ul.robsim-said", { role: "status" });
+  const head = make("div.robsim-source-head.robsim-row", title, file, mine, check, copy, close);
   const element = make("div.robsim-source.robsim-column.robsim-surface",
-    { role: "dialog", hidden: true }, head, lines);
+    { role: "dialog", hidden: true }, head, said, lines);
   let shown = null;
   let asker = null;
   let errors = new Map(); // slot -> the line that failed
+  let slots = [];
 
   const hide = () => {
     element.hidden = true;
@@ -23,13 +29,31 @@ export function makeSource(context) {
   element.onkeydown = (event) => event.key == "Escape" && hide();
   const fill = () => {
     const rows = shown.text.replace(/\n$/, "").split("\n");
-    lines.replaceChildren(...rows.map((row) => make("li", { textContent: row || "\u200b" })));
+    lines.replaceChildren(...rows.map((row, i) =>
+      make("li", ...colored(row || "\u200b", shown.colors[i] ?? []))));
+    fillRemarks({ said: [], lines: [] });
+    showButtons();
     lines.style.setProperty("--robsim-first", String(shown.first - 1));
     const failed = lines.children[errors.get(shown.slot) - shown.first];
     failed?.classList.add("robsim-failed");
     failed?.scrollIntoView({ block: "center" });
   };
-  context.on("callbacks", ({ slots }) => {
+  const fillRemarks = (remarks) => {
+    said.replaceChildren(...remarks.said.map((words) => make("li", words)));
+    for (const old of lines.querySelectorAll(".robsim-doctor")) old.remove();
+    for (const [number, words] of remarks.lines)
+      lines.children[number - shown.first]?.append(make("div.robsim-doctor", words));
+    lines.querySelector(".robsim-doctor")?.scrollIntoView({ block: "center" });
+  };
+  const showButtons = () => {
+    const facts = slots.find(({ slot }) => slot == shown?.slot);
+    mine.hidden = !facts?.can_make;
+    check.hidden = !facts?.can_check;
+  };
+  context.on("remarks", (remarks) => remarks.slot == shown?.slot && fillRemarks(remarks));
+  context.on("callbacks", (told) => {
+    ({ slots } = told);
+    showButtons();
     errors = new Map(slots.map(({ slot, error }) => [slot, error?.line]));
   });
   context.on("source", (source) => {
@@ -47,7 +71,19 @@ export function makeSource(context) {
     asker = by;
     context.send({ type: "source", slot });
   };
-  return { element, ask };
+  return { element, ask, askedBy: (by) => (asker = by) };
+}
+
+/** Return the parts of a line, [first, end, kind], each in its colour; the rest as it is. */
+function colored(line, parts) {
+  const letters = [...line]; // as Python counts them
+  let at = 0;
+  const made = parts.flatMap(([first, end, kind]) => {
+    const before = letters.slice(at, first).join("");
+    at = end;
+    return [before, make(`span.robsim-code-${kind}`, letters.slice(first, end).join(""))];
+  });
+  return [...made, letters.slice(at).join("")];
 }
 
 /** A button that copies a text, and says so for a while. */

@@ -1,0 +1,43 @@
+"""Make it mine: the file of a callback in the user's folder, filled with the default's example."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+from robsim.simulation import Experiment, Simulation
+from robsim.simulation.callback_folder import CallbackFolder
+from robsim.simulation.slots import AT_START, SLOTS
+
+_FOLDER = "mine"  # that is made where the run has none
+_OFF = re.compile(r"^ENABLED *= *False", re.MULTILINE)
+
+
+def can_make(runner: Simulation | Experiment, slot: str) -> bool:
+    """Return whether a slot can get a file, or one that is switched off can be switched on."""
+    return runner._folder is None or slot in runner._folder._slots
+
+
+def make_mine(runner: Simulation | Experiment, slot: str) -> Path:
+    """Write the file of a slot, and fill the slot with it; in the thread of the run.
+
+    A file that exists is kept, and switched on. A slot of the start is filled by the next reset.
+    OSError, SyntaxError and whatever a file of the folder raises: the slot is unchanged.
+    """
+    folder = runner._folder or CallbackFolder(_free_folder(), runner.SLOTS)
+    file = folder._absolute / f"{slot}.py"
+    source = file if file.exists() else SLOTS[slot].template
+    text = source.read_text("utf-8")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    if source != file or _OFF.search(text):
+        file.write_text(_OFF.sub("ENABLED = True", text), "utf-8")
+    runner._folder, runner._given[slot] = folder, None
+    if not (slot in AT_START and runner._core.has_started):
+        runner._use(folder.load_saved())
+    return file
+
+
+def _free_folder() -> Path:
+    names = itertools.chain([_FOLDER], (f"{_FOLDER}{n}" for n in itertools.count(2)))
+    return next(path for path in map(Path, names) if not path.exists())

@@ -1,0 +1,74 @@
+"""What callbacks print: the newest lines, which the terminal gets as before."""
+
+from __future__ import annotations
+
+import functools
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from robsim.simulation.callbacks.signatures import CallTimes
+
+_MOST_LINES = 100
+_LONGEST = 200  # characters of a line
+_here = threading.local()  # `heard`: what the callback that runs in this thread prints to
+
+
+class _Tee:
+    """A stream that passes on everything, and lets a callback's panel hear it."""
+
+    def __init__(self, stream: Any) -> None:
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        if (heard := getattr(_here, "heard", None)) is not None and isinstance(text, str):
+            heard(text)
+        return self.stream.write(text)  # type: ignore[no-any-return]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+class HeardCalls(CallTimes):
+    """Times the calls of callbacks, and keeps the last lines that they print."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lines: deque[tuple[str, str]] = deque(maxlen=_MOST_LINES)  # slot, text
+        self.n_heard = 0  # lines ever
+        self._open: dict[str, str] = {}  # by slot: a line without its end
+
+    def timed(self, slot: str, callback: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a callback whose calls are timed, and whose prints are heard."""
+        hear = functools.partial(self._hear, slot)
+
+        @functools.wraps(callback, updated=())
+        def call(*arguments: Any) -> Any:
+            if type(sys.stdout) is not _Tee:  # others may replace it, too
+                sys.stdout = _Tee(sys.stdout)
+            before, _here.heard = getattr(_here, "heard", None), hear
+            try:
+                return callback(*arguments)
+            finally:
+                _here.heard = before
+
+        return super().timed(slot, call)
+
+    def clear(self) -> None:
+        """Forget all lines."""
+        self.lines.clear()
+        self.n_heard += 1
+
+    def end(self) -> None:
+        """Give the program its own stream back."""
+        if isinstance(tee := sys.stdout, _Tee):
+            sys.stdout = tee.stream
+
+    def _hear(self, slot: str, text: str) -> None:
+        most = _MOST_LINES * _LONGEST
+        *lines, rest = (self._open.get(slot, "") + text[-most:]).split("\n")
+        self.lines.extend((slot, line[:_LONGEST]) for line in lines[-_MOST_LINES:])
+        self.n_heard += len(lines)
+        self._open[slot] = rest[:_LONGEST]
