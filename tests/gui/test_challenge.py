@@ -1,4 +1,4 @@
-"""A task as a challenge: its score is that of the trial, and the best one is kept."""
+"""A task as a challenge: score, stars, the best score."""
 
 import json
 

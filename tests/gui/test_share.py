@@ -8,7 +8,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser
 from commands import command
-from robsim.gui.replays import ReplayFile
+from robsim.gui.panels.replay_file import ReplayFile
 from waiting import wait_for
 
 SMALL = {"area": (300, 300), "measure": True, "seed": 3}

@@ -24,7 +24,7 @@ def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = Fa
 
     Example: robsim replay run.replay
     """
-    from robsim.gui.replays import ReplayFile
+    from robsim.gui.panels.replay_file import ReplayFile
     from robsim.gui.replays import replay as run_again
 
     with errors.report_errors(file):

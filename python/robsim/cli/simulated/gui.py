@@ -180,6 +180,8 @@ def _saved(path: Path) -> Recording | Session | Trace | None:
         return Session(path)
     if path.suffix and not path.exists():
         raise FileNotFoundError(f"there is no file or folder {path}")
+    if path.suffix == ".replay":
+        raise ValueError(f"{path} is a shared run: robsim replay {path} runs it again")
     if path.suffix == ".py":
         raise ValueError(f"{path} is a single file: give its folder, {path.parent}")
     return Recording(path) if path.is_file() else None

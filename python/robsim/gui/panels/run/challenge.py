@@ -65,7 +65,7 @@ class Challenge(Summary):
         return head
 
     def _changed_options(self, runner: Simulation) -> list[str]:
-        """Return the options of the world that are not those of the task."""
+        """Return the options of the world that differ from the task."""
         asked, now = self._task.scenario, runner.scenario
         other = {name for name in OPTIONS if getattr(asked, name) != getattr(now, name)}
         return sorted((other | {*runner._changed}) - _FREE)
@@ -99,7 +99,7 @@ def _best(name: str, points: float | None) -> float | None:
     kept.pop(name, None)
     newest = dict([*kept.items()][1 - _MOST_KEPT :])
     file = data_folder() / _FILE
-    with suppress(OSError):  # the run goes on without
+    with suppress(OSError):  # the run needs no file
         file.parent.mkdir(parents=True, exist_ok=True)
         write_whole(file, json.dumps(newest | {name: points}).encode())
     return points

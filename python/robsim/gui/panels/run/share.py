@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from robsim._core import Frame, Step
 from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
+from robsim.gui.panels.replay_file import ReplayFile, digest_of
 from robsim.gui.panels.settings.owners import owners_of
-from robsim.simulation import Scenario, Simulation
+from robsim.simulation import Simulation
 from robsim.simulation.runner import Runner
 from robsim.vision.imaging.clip import Clip
 
@@ -34,7 +35,7 @@ class Share(Part):
         self._unknown: set[str] = set()  # changes by other code than the panel
         if isinstance(runner := panel.runner, Simulation):
             self._unknown |= {*runner._changed}
-            self._known = self._start = _world(runner)
+            self._start, self._known = runner.scenario, (runner._scenario, runner._seed)
             self._files = self._first_files = _files(runner)
             self._slots = [slot for slot in runner._from_folder if _is_open(runner, slot)]
 
@@ -52,7 +53,7 @@ class Share(Part):
         self._compare(runner)
         k, stage = runner.n_steps, runner.stage
         result = change()
-        self._known = _world(runner)
+        self._known = runner._scenario, runner._seed
         self._add(k, stage, {name: message[name] for name in message if name != "id"})
         return result
 
@@ -69,9 +70,9 @@ class Share(Part):
             self._unknown.add("more changes than are kept")
 
     def _compare(self, runner: Simulation) -> None:
-        """Note what Python has changed since the panel did."""
-        if (now := _world(runner)) is not self._known and now != self._known:
-            self._unknown.add("options set in Python")
+        """Note changes since the last one of the panel."""
+        if (runner._scenario, runner._seed) != self._known:
+            self._unknown.add("options set in Python or by a tool")
 
     def _replay(self) -> tuple[str, bytes, str]:
         """Return name, content and lacks of the file; in the thread of the run."""
@@ -89,8 +90,6 @@ class Share(Part):
                 file = Path(folder, "run.npz")
                 record.trace.save(file)
                 return file.name, file.read_bytes(), ", ".join(lacks)
-        from robsim.gui.replays import ReplayFile, digest_of
-
         now = record.n_resets
         changes = [
             (k, stage, what) if resets == now else (0, "world", what)
@@ -103,7 +102,7 @@ class Share(Part):
             files=_texts(self._first_files),
             changes=changes,
             steps=record.n_steps,
-            digest=digest_of(record),
+            digest=digest_of(record.columns()),
         )
         return "run.replay", replay.to_text().encode(), ""
 
@@ -170,10 +169,6 @@ def _reduced(pixels: Pixels) -> Pixels:
 def _is_open(runner: Simulation, slot: str) -> bool:
     """Whether a file of the folder fills a slot."""
     return slot in runner._from_folder and runner._given[slot] in (None, True)
-
-
-def _world(runner: Simulation) -> Scenario:
-    return runner.scenario
 
 
 def _files(runner: Simulation) -> Any:

@@ -27,6 +27,7 @@ export function makeShare(context) {
   const body = make("div.robsim-column");
   const dialog = make("dialog.robsim-share-dialog.robsim-surface.robsim-afloat.robsim-card",
     { ariaLabel: text("share"), onclose: forget }, top, body);
+  dialog.onkeydown = (event) => event.key == "Escape" || event.stopPropagation(); // no shortcuts
   const show = ({ name, lacks, clip }, [film, file]) => {
     rest();
     forget();

@@ -1,0 +1,89 @@
+"""Replay files: scenario, callbacks and changes of a run, as text."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from robsim.base.checks import Floats
+from robsim.base.files import as_path, read_text
+from robsim.base.files.reading import parse_json
+from robsim.base.text import one_line
+from robsim.simulation.slots import SLOTS
+
+FORMAT = "robsim replay 1"
+_MOST_BYTES = 1 << 26
+_MOST_STEPS = 1_000_000
+_KINDS = {"format": str, "scenario": str, "slots": list, "files": dict, "changes": list}
+_MESSAGES = ("set", "go_to", "path")  # of the browser, that change a run
+
+
+@dataclass(frozen=True)
+class ReplayFile:
+    """A run: its start, and each change with its step, stage and message or files."""
+
+    scenario: str  # TOML
+    slots: Sequence[str]  # that files fill
+    files: Mapping[str, str]  # source of Python modules by name, without .py
+    changes: Sequence[Sequence[Any]]
+    steps: int
+    digest: str
+    format: str = FORMAT
+
+    def to_text(self) -> str:
+        return json.dumps(asdict(self), indent=1)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> ReplayFile:
+        """Read a file; nothing in it runs. ValueError: it is damaged."""
+        file = as_path(path)
+        try:
+            told = parse_json(read_text(file, _MOST_BYTES))
+            kinds = {**_KINDS, "steps": int, "digest": str}
+            if not isinstance(told, dict) or told.get("format") != FORMAT:
+                raise ValueError("it is no replay file of this version")
+            if told.keys() != kinds.keys() or any(type(told[n]) is not k for n, k in kinds.items()):
+                raise ValueError("it lacks a part")
+            found = cls(**told)
+            found._check()
+        except ValueError as error:
+            raise ValueError(f"{one_line(file)}: {error}") from None
+        return found
+
+    def _check(self) -> None:
+        ks = [self._checked_change(change)[0] for change in self.changes]
+        if not 0 <= self.steps <= _MOST_STEPS or ks != sorted(ks) or ks[-1:] > [self.steps]:
+            raise ValueError("its steps are in no order")
+        sources = [self.files, *(told for *_, told in self.changes if "type" not in told)]
+        for name, text in (item for files in sources for item in files.items()):
+            if not (name.isidentifier() and isinstance(text, str)):  # no path, such as ../x
+                raise ValueError("its Python files have wrong names")
+        if any(slot not in list(SLOTS) for slot in self.slots):
+            raise ValueError("it fills unknown slots")
+
+    @staticmethod
+    def _checked_change(change: Any) -> tuple[int, str, dict[str, Any]]:
+        if isinstance(change, list) and [*map(type, change)] == [int, str, dict]:
+            k, stage, told = change
+            if k >= 0 and told.get("type", _MESSAGES[0]) in _MESSAGES:
+                return k, stage, told
+        raise ValueError("a change is damaged")
+
+    @property
+    def code(self) -> dict[str, int]:
+        """The lines of each Python file that would run, by name."""
+        files = [self.files, *(told for *_, told in self.changes if "type" not in told)]
+        texts = {name: text for one in files for name, text in one.items()}
+        return {f"{name}.py": len(text.splitlines()) for name, text in texts.items()}
+
+
+def digest_of(columns: Mapping[str, Floats]) -> str:
+    """Return a checksum of the columns of a trace."""
+    parts = (np.ascontiguousarray(columns[name]).tobytes() for name in sorted(columns))
+    return hashlib.sha256(b"".join(parts)).hexdigest()
