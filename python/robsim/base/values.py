@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -13,6 +12,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+from robsim.base.closing import Closing as Closing
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
@@ -64,20 +65,6 @@ class Value:
         """All that it says, without its arrays."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(digest(one) if isinstance(one, np.ndarray) else one for one in values)
-
-
-class Closing:
-    """An object that a ``with`` block closes at its end."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    @abstractmethod
-    def close(self) -> None:
-        """End it."""
 
 
 class Level(NamedTuple):

@@ -11,8 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 if TYPE_CHECKING:  # the first picture loads them: the start page opens sooner without
     from PIL import Image
 
@@ -305,6 +303,8 @@ def small_png(picture: Image.Image) -> bytes:
 
 def numbers(values: Any) -> list[float] | None:
     """Return an array as a list for JSON; None if one of them is not finite."""
+    import numpy as np
+
     array = np.asarray(values, float).ravel()
     return array.tolist() if np.isfinite(array).all() else None
 

@@ -11,8 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from robsim.base.checks import check_choice
-from robsim.base.values import Closing
+from robsim.base.closing import Closing
 from robsim.gui._link import Buffers, Link
 from robsim.gui._view import View
 
@@ -191,6 +190,8 @@ def _close_all() -> None:
 
 def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Handle a message, return the answers of the view; TypeError, ValueError: it is refused."""
+    from robsim.base.checks import check_choice  # loads numpy
+
     check_choice("kind", kind, tuple(view.messages))
     line = _Answers()
     view.settle()  # a tool has its first picture, if there is one

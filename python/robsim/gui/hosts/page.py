@@ -14,7 +14,6 @@ import webbrowser
 from concurrent.futures import Future
 from contextlib import suppress
 
-from robsim.base.checks import check_int
 from robsim.gui._view import View
 from robsim.gui.hosts.serving import Server, Socket
 from robsim.gui.hosts.ticket import Ticket, stranger
@@ -164,7 +163,10 @@ def _print(text: str) -> None:
 
 
 def _listen(port: int) -> socket.socket:
-    check_int("port", port, minimum=0, maximum=65535)
+    if type(port) is not int or port:
+        from robsim.base.checks import check_int  # loads numpy
+
+        check_int("port", port, minimum=0, maximum=65535)
     try:
         listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:
