@@ -143,6 +143,10 @@ def use_transport(mouse):
     wait_for(lambda: mouse.view.runner.stage != before)
     mouse.press("reset")
     wait_for(lambda: mouse.n_steps == 0)
+    for is_on in ("true", "false"):
+        mouse.press("slowly")
+        tab.locator(f"button[name=slowly][aria-pressed={is_on}]").wait_for()
+    mouse.open("Traces")
     mouse.press("start")
     wait_for(lambda: mouse.n_steps > 60)
     mouse.pause()
@@ -282,6 +286,11 @@ def use_title(mouse):
     tab.click("button[name=keys]")
     assert tab.get_by_role("dialog", name="Keys").is_visible()
     tab.click(".robsim-keys button[name=close]")
+    tab.click("button[name=share]")
+    dialog = tab.get_by_role("dialog", name="Share")
+    assert dialog.locator("a[download]").first.get_attribute("download").startswith("run.")
+    dialog.locator("button[name=close]").click()
+    assert dialog.is_hidden()
     assert tab.get_by_role("dialog", name="Keys").is_hidden()
 
 
@@ -307,6 +316,7 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_tools(mouse)
     # An error, notes and motors are not there. Only code of files has Edit. Options: their test.
     elsewhere = ".robsim-scenario, .robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
+    elsewhere += ", [name=home], .robsim-challenge *"
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 
 
