@@ -238,3 +238,28 @@ def test_parameters_are_drawn_with_truth_excitation_and_a_robust_range(show):
     line = chart.inked("estimated")
     assert np.flatnonzero(line.any(axis=1)).size > 40  # not squashed by the first steps
     assert "\u00b1 0.010" in chart.key("End")
+
+
+def test_ghosts_are_read_off_and_the_nees_has_a_meter(show):
+    host = show(walk(300))
+    ghost = np.zeros((300, 6), "<f4")
+    ghost[:, 0] = 700
+    host.emit({"type": "ghosts", "names": ["mine"]}, [ghost.tobytes()])
+    settle(host)
+    assert "mine" in Chart(host, "x px").read(0.5)[1]
+    host.tab.click("button[name=keep]")
+    host.tab.select_option("select[name=compare]", "reference")
+    host.tab.click("button[name=drop_mine]")
+    said = [host.sent(kind) for kind in ("keep", "reference", "drop_ghost")]
+    assert said == [
+        [{"type": "keep"}],
+        [{"type": "reference"}],
+        [{"type": "drop_ghost", "name": "mine"}],
+    ]
+    told = {"mean": 9.0, "n": 30, "band": [2.2, 3.9], "wide": [1.7, 4.6], "level": "bad"}
+    statistics = {"type": "statistics", "first": 0, "last": 299, "errors": []}
+    host.emit({**statistics, "nees": {**told, "verdict": "optimistic"}})
+    meter = host.tab.get_by_role("meter")
+    assert meter.get_attribute("aria-valuenow") == "9"
+    host.emit({**statistics, "nees": None})
+    assert meter.is_hidden()

@@ -112,6 +112,7 @@ class Ghosts(Part):
             return Ghost.of("reference", reference.run(steps))
 
         self._reference.begin(drive, self._add)
+        self.panel.note("The reference drives: it appears in a moment", "info")
 
     def _read(self, content: bytes, name: str) -> Callable[[], object]:
         ghost = Ghost.of(Path(name).stem, Trace._unpacked(content, name))

@@ -106,14 +106,15 @@ export class Chart {
     this.bare = bare;
     if (bare) return emptyCanvas(this.over, this.size);
     const g = cleanCanvas(this.over, this.size);
-    if (marked !== null) this.drawLooked(g, marked, ink);
+    if (marked !== null) this.drawLooked(g, marked, ink, axis.follows);
     if (axis.cursor !== null) this.drawCursor(g, axis.cursor, ink);
     if (k !== null) drawReadings(g, this, this.shown, k, ink);
   }
 
-  drawLooked(g, k, ink) {
-    const { top } = this.box;
-    const x = this.plot.x(k);
+  drawLooked(g, k, ink, isLast) {
+    const { top, left, width } = this.box;
+    // while a trace is played back, a chart that waits for its turn has an older plot
+    const x = isLast ? Math.min(this.plot.x(k), left + width) : this.plot.x(k);
     if (!this.drawUpright(g, x, ink("accent"), 1.5)) return;
     g.beginPath();
     g.moveTo(x - 5, top);

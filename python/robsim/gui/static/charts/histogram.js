@@ -111,15 +111,17 @@ function drawBell(g, plot, error, stroke) {
 /** Write the numbers at the right, beside the bars or above them. */
 function writeNumbers(g, { width, isBeside, errors, ink }) {
   g.font = ink("chart-font");
-  const room = width - (isBeside ? HISTOGRAM_WIDTH : 0) - 12; // a longer word is squeezed
-  const put = (word, line, fill, align = "right") => {
+  const whole = width - (isBeside ? HISTOGRAM_WIDTH : 0) - 12;
+  const put = (word, line, fill, { align = "right", room = whole } = {}) => {
     g.textAlign = align;
     g.fillStyle = ink(fill);
-    g.fillText(word, align == "left" ? 0 : width - 12, TEXT_HEIGHT * line, room);
+    g.fillText(word, align == "left" ? 0 : width - 12, TEXT_HEIGHT * line, room); // squeezed
   };
   const first = isBeside ? 2 : 1;
-  put(text("chart.count", { n: errors[0].n }), 1, "text", isBeside ? "right" : "left");
-  put(text("chart.moments_key"), first, "quiet");
+  const count = text("chart.count", { n: errors[0].n });
+  put(count, 1, "text", { align: isBeside ? "right" : "left" });
+  const room = whole - (isBeside ? 0 : g.measureText(count).width + 6);
+  put(text("chart.moments_key"), first, "quiet", { room });
   errors.forEach(({ of, mean, std }, i) =>
     put(text("chart.moments", { mean: momentText(mean, std), std: momentText(std, std) }),
       first + 1 + i, SOURCE_LAYERS[of]));

@@ -64,10 +64,9 @@ function makeBadges(context) {
   const past = make("button.robsim-chip.robsim-active", { type: "button", name: "past_step",
     title: words, ariaLabel: words, hidden: true, onclick: () => context.look(null) });
   const missed = make("div.robsim-chip.robsim-warning", { hidden: true });
-  context.on("frame", (frame) => {
-    sayOrHide(past, frame.past ? text("past_step", { k: frame.k }) : "");
-    sayOrHide(missed, pictureRemark(frame));
-  });
+  context.on("shown", () =>
+    sayOrHide(past, context.marked == null ? "" : text("past_step", { k: context.marked })));
+  context.on("frame", (frame) => sayOrHide(missed, pictureRemark(frame)));
   return make("div.robsim-camera-badges", past, missed);
 }
 
