@@ -46,14 +46,17 @@ def test_the_reference_drives_in_the_same_world(driven):
 def test_a_saved_run_drives_along_until_it_is_removed(driven, tmp_path):
     view, browser = driven
     view.record.trace.save(tmp_path / "mine.npz")
+    packed = (tmp_path / "mine.npz").read_bytes()
     browser.say("drop_ghost", name="none")
     assert ghosts_of(browser) == {}
     assert browser.upload(b"no trace", "bad.npz", key="2")["state"] == "refused"
-    packed = (tmp_path / "mine.npz").read_bytes()
     browser.say("upload", packed, key="3", name="mine.npz", size=len(packed), at=0)
     assert len(ghosts_of(browser)["mine"]) == 5
     browser.say("drop_ghost", name="mine")
     assert ghosts_of(browser) == {}
+    for _ in range(3):
+        browser.say("keep")
+    assert browser.upload(packed, "mine.npz", key="4")["state"] == "refused"
 
 
 def test_no_more_than_three_are_kept_and_none_of_no_steps(driven):
@@ -67,3 +70,11 @@ def test_no_more_than_three_are_kept_and_none_of_no_steps(driven):
     assert [*ghosts_of(browser)] == ["run 1", "run 3"]
     browser.say("keep")
     assert "nothing has run" in browser.take("note")[0]["text"]
+
+
+def test_the_reference_drives_to_the_goal_where_the_users_controller_does_not():
+    simulation = robsim.Simulation(seed=1, measure=True, control=lambda step: (0.0, 0.0))
+    with panel_of(simulation, goals=np.array([700.0, 600.0])) as (_, browser):
+        browser.say("reference")
+        x, y = ghosts_of(browser)["reference"][-1, :2]
+        assert np.hypot(x - 700, y - 600) < 30

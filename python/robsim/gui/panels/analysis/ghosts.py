@@ -97,17 +97,16 @@ class Ghosts(Part):
             raise Refused("the reference is on its way")
         self._check_room()
         scenario = runner.scenario.to_toml()
-        stages = [slot for slot in ("measure", "estimate_state") if runner._is_on(slot)]
-        fewest, most = _REFERENCE_STEPS
-        steps = min(max(self.panel.record.n_steps, fewest), most)
+        code = self.panel.record.trace.info.callbacks  # slots that the scenario lacks
+        steps = int(np.clip(self.panel.record.n_steps, *_REFERENCE_STEPS))
 
         def drive() -> Ghost:
             reference = Simulation(Scenario.from_toml(scenario))
-            if runner._callbacks["control"] is not None and self.panel.goals is not None:
+            if "control" in code and self.panel.goals is not None:
                 reference.control = controller_to(self.panel.goals)
-            if "measure" in stages:
+            if "measure" in code:
                 reference.measure = True
-            if "estimate_state" in stages and why_no_default() is None:
+            if "estimate_state" in code and why_no_default() is None:
                 reference.estimate_state = default_estimator(reference)
             return Ghost.of("reference", reference.run(steps))
 
@@ -116,7 +115,15 @@ class Ghosts(Part):
 
     def _read(self, content: bytes, name: str) -> Callable[[], object]:
         ghost = Ghost.of(Path(name).stem, Trace._unpacked(content, name))
-        return lambda: self._add(ghost)
+
+        def take() -> None:
+            try:
+                self._check_room()
+            except Refused as error:
+                raise ValueError(str(error)) from None
+            self._add(ghost)
+
+        return take
 
     def _check_room(self) -> None:
         if len(self._ghosts) >= _MOST:

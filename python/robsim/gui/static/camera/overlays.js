@@ -118,15 +118,13 @@ function drawGhosts(scene) {
 
 /** Where the robot was at the step under the cursor of a chart. */
 function drawPointed(scene) {
-  const { axis, store } = scene.context;
-  for (const name of ["pose_true", "pose_measured", "pose_held"]) {
-    const rows = store.get(name);
-    if (axis.cursor === null || !(axis.cursor < rows?.count)) continue;
-    const pose = [0, 1, 2].map((field) => rows.get(axis.cursor, field));
-    if (Number.isNaN(pose[0])) continue;
-    outlineAt(scene, pose, "quiet", { dash: DASH });
-    return headingAt(scene, pose, "quiet", { dash: DASH });
-  }
+  const { axis: { cursor }, store } = scene.context;
+  if (cursor === null) return;
+  const known = ["pose_true", "pose_held"].map((name) => store.get(name));
+  const rows = known.find((one) => cursor < one?.count && !Number.isNaN(one.get(cursor, 0)));
+  const pose = rows && [0, 1, 2].map((field) => rows.get(cursor, field));
+  outlineAt(scene, pose, "quiet", { dash: DASH });
+  headingAt(scene, pose, "quiet", { dash: DASH });
 }
 
 function drawBoxes(scene) {
