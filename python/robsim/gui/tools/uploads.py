@@ -148,7 +148,7 @@ class Uploads:
         if callable(made):
             try:
                 made()
-            except ValueError as error:
+            except (ValueError, Refused) as error:
                 why = str(error)
             else:
                 self._answer(upload.link, upload.key, "taken", at=upload.size)

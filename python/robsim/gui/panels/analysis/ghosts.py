@@ -117,10 +117,7 @@ class Ghosts(Part):
         ghost = Ghost.of(Path(name).stem, Trace._unpacked(content, name))
 
         def take() -> None:
-            try:
-                self._check_room()
-            except Refused as error:
-                raise ValueError(str(error)) from None
+            self._check_room()
             self._add(ghost)
 
         return take

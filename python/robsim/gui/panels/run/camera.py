@@ -87,14 +87,13 @@ def particles_of(estimator: Any) -> list[list[float]] | None:
     Each stands for as much weight, if there are `weights`.
     """
     owner = getattr(estimator, "__self__", estimator)
-    particles = getattr(owner, "particles", None)
+    particles, weights = (getattr(owner, name, None) for name in ("particles", "weights"))
     if not isinstance(particles, np.ndarray) or particles.ndim != 2 or particles.shape[1] < 2:
         return None
-    n = len(particles)
-    parts = (np.arange(min(n, _MOST_PARTICLES)) + 0.5) / min(n, _MOST_PARTICLES)
-    weights = getattr(owner, "weights", None)
+    n, most = len(particles), min(len(particles), _MOST_PARTICLES)
     if not isinstance(weights, np.ndarray) or weights.shape != (n,):
         weights = np.full(n, 1 / n)
+    parts = (np.arange(most) + 0.5) / most
     chosen = np.minimum(np.searchsorted(np.cumsum(weights), parts), n - 1)
     places = particles[chosen, :2].astype(np.float64).round(1)
     return places[np.isfinite(places).all(axis=1)].tolist()  # type: ignore[no-any-return]
