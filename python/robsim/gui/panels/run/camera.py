@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _TOLD = ("k", "t", "measured", "held", "truth", "estimate", "particles", "boxes", "missed", "past")
 _MOST_PARTICLES = 300
+_HIDDEN = "hidden by dropout"
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,7 @@ def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_trac
     estimate = step.estimate
     detection = step.detection if is_tracked else None
     blobs = step.blobs if is_tracked else {}
+    why = None if measurement or detection is None else detection.explanation
     return Shot(
         k=step.k,
         t=step.t,
@@ -76,7 +78,7 @@ def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_trac
         truth=row_of(columns, "pose_true", step.k),
         estimate=None if estimate is None else _estimate(estimate.pose, estimate.covariance),
         boxes=boxes_of(blobs),
-        missed=None if measurement or detection is None else detection.explanation,
+        missed=_HIDDEN if why and _is_hidden(columns, step.k) else why,
         n_resets=n_resets,
     )
 
@@ -116,13 +118,19 @@ def past_shot(record: Record, k: int, frame: Frame | None) -> Shot:
         truth=row_of(columns, "pose_true", k),
         estimate=None if pose is None else _estimate(pose, covariance or math.nan),
         boxes=boxes_of(blobs),
-        missed=_why_missed(record, frame, blobs) if frame is not None and is_missed else None,
+        missed=_why_missed(record, k, frame, blobs) if frame is not None and is_missed else None,
         past=k < record.n_steps - 1,
     )
 
 
-def _why_missed(record: Record, frame: Frame, blobs: Mapping[str, Sequence[Blob]]) -> str:
+def _is_hidden(columns: Mapping[str, Floats], k: int) -> bool:
+    return "hidden" in columns and k < len(columns["hidden"]) and bool(columns["hidden"][k])
+
+
+def _why_missed(record: Record, k: int, frame: Frame, blobs: Mapping[str, Sequence[Blob]]) -> str:
     """Return why the default measurement finds no robot, or that only the user's own does not."""
+    if _is_hidden(record.columns(), k):
+        return _HIDDEN
     found = detect(blobs, record.markers, plane_map=frame.plane_map, image=frame)
     if not record.has_own_measure:
         return found.explanation
