@@ -32,6 +32,7 @@ _MARGINS = tuple(range(-20, 45, 5))
 # Largest ratio of the areas of a blob and its region, either way: the region may be drawn around a
 # round marker or as a square inside it.
 _AREA_FACTOR = 3.0
+_MOST_OTHERS = 8  # blobs beside those of the regions, larger ones such as the red square too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +153,7 @@ def score_color(
     """Score how robustly a colour is detected when the light changes and noise is added.
 
     The colour counts as detected if each region contains the centroid of a blob whose area is a
-    third to three times that of the region, and no other blob is as large. The image is made
+    third to three times that of the region, and no other blob has such an area. The image is made
     darker and brighter, gets a shadow whose edge runs through the first region, and gets camera
     noise, in the light and in the shadow.
 
@@ -273,15 +274,17 @@ def _rates(
 
 
 def _is_found(image: Pixels, color: ColorClass, regions: Sequence[Region], smoothing: int) -> bool:
-    """Return whether each region has its blob, and there are no others."""
-    minimum_area = max(1, round(min(_area(region) for region in regions) / _AREA_FACTOR))
+    """Return whether each region has its blob, and no other one could be a marker."""
+    areas = [_area(region) for region in regions]
+    minimum_area = max(1, round(min(areas) / _AREA_FACTOR))
     blobs = find_blobs(
         image,
         [color],
         minimum_area=minimum_area,
-        maximum_count=len(regions) + 1,
+        maximum_count=len(regions) + _MOST_OTHERS,
         smoothing=smoothing,
     )[color.name]
+    blobs = [blob for blob in blobs if blob.area <= _AREA_FACTOR * max(areas)]
     return len(blobs) == len(regions) and all(
         any(_fits(blob, region) for blob in blobs) for region in regions
     )
