@@ -48,6 +48,22 @@ def used(watcher):
     watcher.settle()
 
 
+def test_the_square_stands_on_the_robot_and_bare_floor_has_none(watch, user_folder):
+    watcher = watch(simulation(start=(250, 120, 0.5)))
+    watcher.press("step")
+    tool = opened(watcher, "robots")
+    tell(watcher, "resume")
+    wait_for(lambda: told(watcher, "state")[-1]["square"])
+    u, v, side = told(watcher, "state")[-1]["square"]
+    assert (u, v) == pytest.approx((250, 120), abs=3)
+    assert side == pytest.approx(1.2 * load_robot("lab").size, rel=0.01)
+    tell(watcher, "square", at=[100, 300], side=60)
+    tell(watcher, "capture")
+    wait_for(lambda: told(watcher, "note"))
+    assert told(watcher, "state")[-1]["mode"] == "draw"
+    assert tool._view.drawing.sketch.problems()
+
+
 def test_a_tool_is_opened_for_all_and_closed_again(watcher):
     assert watcher.newest("setup")["tools"] == ["robots", "colors"]
     assert watcher.newest("state")["tool"] is None

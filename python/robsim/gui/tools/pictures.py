@@ -18,11 +18,13 @@ from robsim.gui._driver import Driver
 from robsim.gui._link import FrameClock
 from robsim.gui.hosted import HostedPanel
 from robsim.lab.cameras.camera import Camera
+from robsim.simulation import Simulation
 from robsim.vision.imaging import images
 from robsim.vision.imaging.recordings import Recording
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.sketch import over_floor
 
+_AROUND = 1.2  # side of the square around a robot, in sides of its picture
 _PATIENCE = 0.5  # s for a frame, before it is looked whether all is over
 
 
@@ -60,6 +62,10 @@ class Pictures:
     def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
         """Tell of the pictures from now on, and of what ends them, in any thread."""
         take(self.at(0))
+
+    def robot_in(self, picture: Picture) -> tuple[float, float, float] | None:
+        """Return centre and side (px) of a square around the robot; None = unknown."""
+        return None
 
     def settle(self) -> None:
         """Wait until the pictures that are known by now have been told of."""
@@ -152,6 +158,17 @@ class RunPictures(Pictures):
             self._driver.on_state.remove(self._watch)
         if self._mine is not None:
             self._mine.close()
+
+    def robot_in(self, picture: Picture) -> tuple[float, float, float] | None:
+        """Return the square around the true pose of a simulated robot; columns are snapshots."""
+        run = self._driver.runner
+        poses = run._core.columns().get("pose_true", ()) if isinstance(run, Simulation) else ()
+        if picture.k is None or picture.k >= len(poses) or not isinstance(run, Simulation):
+            return None
+        to_pixel, size = picture.frame.plane_map.to_pixel, _AROUND * run.robot.size
+        x, y = poses[picture.k][:2]
+        (u, v), (right, below) = to_pixel((x, y)), to_pixel((x + size, y))
+        return float(u), float(v), float(np.hypot(right - u, below - v))
 
     def _watch(self, driver: Driver) -> None:
         """In the thread of the run."""

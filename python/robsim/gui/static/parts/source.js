@@ -30,7 +30,7 @@ export function makeSource(context) {
   const fill = () => {
     const rows = shown.text.replace(/\n$/, "").split("\n");
     lines.replaceChildren(...rows.map((row, i) =>
-      make("li", ...colored(row || "\u200b", shown.colors[i] ?? []))));
+      make("li", ...colored(row || "\u200b", shown.colors?.[i] ?? []))));
     fillRemarks({ said: [], lines: [] });
     showButtons();
     lines.style.setProperty("--robsim-first", String(shown.first - 1));

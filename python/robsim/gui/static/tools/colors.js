@@ -1,5 +1,5 @@
 // The panel that trains colours: a region of the picture, ranges, what they find.
-import { make, text } from "../base/dom.js";
+import { make, say, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
 import { makeCopyButton } from "../parts/source.js";
 import { makeChannels } from "./colors/channels.js";
@@ -89,14 +89,16 @@ function makeThresholds(context) {
     onchange: take, oninput: () => (isMine = true),
     onkeydown: ({ key, ctrlKey, metaKey }) => key == "Enter" && (ctrlKey || metaKey) && take() });
   const copy = makeCopyButton(() => area.value);
+  const where = make("span.robsim-quiet.robsim-place");
   const file = makeTextField("file", () => {}, { maxLength: 200, ariaLabel: text("color_file") });
   const save = makeAct(context, "save_colors", "robsim-primary", () =>
     ({ type: "save", file: file.value.trim() }));
-  context.on("state", ({ text: told, file: name, classes }) => {
+  context.on("state", ({ text: told, file: name, place, classes }) => {
     if (!isMine && told != last) area.value = last = told;
     showIn(file, name);
+    say(where, text("color_place", { place }));
     save.disabled = !classes.length;
   });
   const heading = make("div.robsim-card-title", text("thresholds"));
-  return makePart(heading, area, makeRow(copy, file, save));
+  return makePart(heading, area, makeRow(copy, file, save), where);
 }

@@ -17,7 +17,6 @@ export const renderRobots = (host) => renderTool(host, "robots", (tool) => {
   context.on("state", ({ mode }) => mode == "capture" || (film.hidden = true));
   return {
     hands: [makeSquare(context, picture), makePolygons(context, picture), ruler, parts.hand],
-    over: [parts.problems],
     below: film,
     beside: [parts.element, makeRobotShape(context, ruler.element)],
   };
@@ -50,8 +49,8 @@ function makeRobotParts({ context, history }) {
     return true;
   };
   return {
-    element: makePart(makeRow(parts.element, guess, clear, ...history), hint),
-    problems: problems.element,
+    element: makePart(makeRow(parts.element, guess, clear, ...history), hint,
+      problems.element),
     hand: { key: ({ key }) => key == "Enter" && context.state.mode == "draw" && next() },
   };
 }

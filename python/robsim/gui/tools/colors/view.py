@@ -94,7 +94,9 @@ class ColorsView(ToolView):
             "set": lambda m: self._set(m["name"], m["value"], goes_on=m["goes_on"]),
             "thresholds": lambda message: self._take_text(message["text"]),
             "score": lambda _: self._score(),
-            "save": lambda m: self.note(f"written: {self.save(m['file'] or None)}", "info"),
+            "save": lambda m: self.note(
+                f"written: {self.save(m['file'] or None).absolute()}", "info"
+            ),
         }
 
     @property
@@ -115,6 +117,7 @@ class ColorsView(ToolView):
             "options": self.training.options(self._chosen),
             "text": colors_to_toml(self.training.value) if self.training.classes else "",
             "file": str(self.file),
+            "place": str(self.file.absolute()),
             "region": self._region and [*self._region],
             "tests": self._tests,
         }
@@ -266,6 +269,7 @@ def _score_message(image: images.Pixels, color: ColorClass, region: Region) -> d
         "rate": score.rate,
         "widened_rate": score.widened_rate,
         "margin": score.margin,
+        "remarks": [*score.remarks],
         "ranges": [list(ends) for ends in ranges_of(score.proposed)],
         "levels": [
             {"name": sweep.name, "levels": list(sweep.levels), "rates": list(sweep.rates)}

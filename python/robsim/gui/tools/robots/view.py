@@ -150,7 +150,8 @@ class RobotsView(ToolView):
     def changed_picture(self) -> None:
         if self._square is None and self.picture is not None and not self.is_frozen:
             height, width = self.picture.frame.image.shape[:2]
-            self._square = (width / 2, height / 2, _SQUARE * min(width, height))
+            middle = (width / 2, height / 2, _SQUARE * min(width, height))
+            self._square = self.source.robot_in(self.picture) or middle
 
     # What changes it; TypeError, ValueError or OSError: nothing was changed.
 
@@ -169,7 +170,11 @@ class RobotsView(ToolView):
             raise ValueError("there is no live picture to capture")
         image = self.picture.frame.image
         pixels = image if whole else cut_out(image, self._square)
-        self._draw_on(Sketch.of_picture(pixels, self.drawing.sketch.size, self._colors))
+        sketch = Sketch.of_picture(pixels, self.drawing.sketch.size, self._colors)
+        self._draw_on(sketch)
+        if not any(len(corners) for corners in sketch.markers.values()):
+            where = "picture" if whole else "square"
+            self.note(f"no robot in the {where}: capture again, or draw it by hand", "warning")
 
     def loading(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         if not is_cut_out(pixels):

@@ -23,6 +23,7 @@ export function makeScore(context) {
     said.textContent = text(proposed ? "score_proposed" : "score_best", {
       rate: percent(score.rate), better: percent(score.widened_rate), margin: score.margin,
     });
+    if (score.remarks?.length) said.textContent = score.remarks.join(" ");
     table.hidden = false;
     table.replaceChildren(...score.levels.map(levelRow));
   });
