@@ -64,6 +64,17 @@ def test_the_square_stands_on_the_robot_and_bare_floor_has_none(watch, user_fold
     assert tool._view.drawing.sketch.problems()
 
 
+def test_a_robot_can_be_used_in_this_run_alone(watcher):
+    before = default_robot(), robot_names()
+    opened(watcher, "robots")
+    tell(watcher, "resize", size=100)
+    watcher.say("use_here")
+    wait_for(lambda: watcher.newest("state")["tool"] is None)
+    watcher.settle()
+    assert watcher.view.runner.robot.size == 100
+    assert (default_robot(), robot_names()) == before
+
+
 def test_a_tool_is_opened_for_all_and_closed_again(watcher):
     assert watcher.newest("setup")["tools"] == ["robots", "colors"]
     assert watcher.newest("state")["tool"] is None

@@ -109,5 +109,6 @@ MESSAGES: Messages = {
     "use_tool": {},
     "home": {},
     "share": {},
+    "use_here": {},
     "tell_tool": {"name": text, "message": message, "buffers": buffers_of_message},
 }

@@ -48,7 +48,12 @@ class Tools(Part):
         self._is_settled.set()
 
     def handlers(self) -> Handlers:
-        return {"tool": self._choose, "use_tool": self._use, "tell_tool": self._tell}
+        return {
+            "tool": self._choose,
+            "use_tool": self._use,
+            "use_here": self._use,
+            "tell_tool": self._tell,
+        }
 
     def setup(self) -> dict[str, Any]:
         return {"tools": [] if isinstance(self.panel.runner, Playback) else [*NAMES]}
@@ -119,7 +124,8 @@ class Tools(Part):
             self._then(link, changed, keep)
 
         def keep(_: Future[None]) -> None:
-            self._then(link, tool._view.later(tool._keep), resume)
+            keeps = message["type"] == "use_tool"
+            self._then(link, tool._view.later(tool._keep if keeps else str), resume)
 
         def resume(kept: Future[str]) -> None:
             if self.tool is tool:

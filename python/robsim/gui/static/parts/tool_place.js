@@ -15,13 +15,13 @@ export function makeToolPlace(context) {
     [name, makeTextButton(button, "", () => choose(name))]);
   const buttons = make("div.robsim-open-tools", { hidden: true },
     ...opening.map(([, button]) => button));
-  const use = makeTextButton("use_tool", "robsim-primary", () =>
-    context.send({ type: "use_tool" }));
+  const [here, use] = ["use_here", "use_tool"].map((type) =>
+    makeTextButton(type, "robsim-primary", () => context.send({ type })));
   const stop = makeButton("stop", "robsim-danger robsim-stop", () =>
     context.send({ type: "press", button: "stop" }));
   const bar = make("div.robsim-tool-bar.robsim-row",
     makeTextButton("discard_tool", "", () => choose(null)),
-    use, stop);
+    use, here, stop);
   const element = make("div.robsim-tool-place.robsim-column", { hidden: true });
   let shown = null; // the tool: its name and its view
 
@@ -35,12 +35,16 @@ export function makeToolPlace(context) {
     const el = make("div.robsim");
     const send = (message, buffers) => context.send({ type: "tell_tool", name, message }, buffers);
     element.replaceChildren(bar, el);
+    here.hidden = name != "robots";
+    use.textContent = here.hidden ? here.textContent : text("use_as_default");
+    use.title = here.hidden ? "" : text("use_tool.title");
+    use.classList.toggle("robsim-primary", here.hidden);
     shown = { name, send, view: TOOLS_OF_RUN[name].render({ el, send }) };
     shown.view.begin();
   };
   context.on("setup", ({ tools, motors, source }) => {
     stop.hidden = !motors;
-    use.textContent = text(source == "simulation" ? "use_tool" : "use_tool.experiment");
+    here.textContent = text(source == "simulation" ? "use_tool" : "use_tool.experiment");
     for (const [name, button] of opening) button.hidden = !tools.includes(name);
     buttons.hidden = !tools.length;
   });
