@@ -69,7 +69,7 @@ def test_only_what_the_visible_tab_needs_is_asked_for(show):
     host = show({})
     assert {"pose_true", "pose_measured", "covariance"} <= wanted(host)
     assert not {"parameters", "blobs_red"} & wanted(host)
-    host.tab.click("text=Objects")
+    host.tab.click("[name=objects]")
     host.tab.click("role=tab[name=Parameters]")
     settle(host)
     assert {"blobs_red", "blobs_blue", "parameters", "standard_errors_unscaled"} <= wanted(host)

@@ -218,9 +218,9 @@ def use_charts(mouse):
         mouse.paint()
         assert x.count(name) < shown / 2
         button.click()
-    tab.get_by_label("Objects").check()
+    tab.locator("[name=objects]").check()
     wait_for(lambda: x.count("blue"))
-    tab.get_by_label("Objects").uncheck()
+    tab.locator("[name=objects]").uncheck()
     tab.select_option("select[name=add_column]", "u1")
     assert wait_for(lambda: mouse.chart("u1").count("true") == 0)
     tab.click("button[name=remove_u1]")
@@ -316,7 +316,8 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_tools(mouse)
     # An error, notes and motors are not there. Only code of files has Edit. Options: their test.
     elsewhere = ".robsim-scenario, .robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
-    elsewhere += ", [name=home], .robsim-challenge *"
+    elsewhere += ", [name=home], .robsim-challenge *, [name=check]"
+    elsewhere += ", [name^=make_mine]"  # which writes files: test_callbacks_part
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 
 

@@ -32,7 +32,7 @@ _MARGINS = tuple(range(-20, 45, 5))
 # Largest ratio of the areas of a blob and its region, either way: the region may be drawn around a
 # round marker or as a square inside it.
 _AREA_FACTOR = 3.0
-_MOST_OTHERS = 8  # blobs beside those of the regions, larger ones such as the red square too
+_MOST_OTHERS = 8  # more blobs than regions, such as the red square
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callback_folder import CallbackFolder
 from robsim.simulation.slots import AT_START, SLOTS
 
-_FOLDER = "mine"  # that is made where the run has none
+_FOLDER = "mine"  # of a run without a folder
 _OFF = re.compile(r"^ENABLED *= *False", re.MULTILINE)
 
 
@@ -20,10 +20,10 @@ def can_make(runner: Simulation | Experiment, slot: str) -> bool:
 
 
 def make_mine(runner: Simulation | Experiment, slot: str) -> Path:
-    """Write the file of a slot, and fill the slot with it; in the thread of the run.
+    """Write the file of a slot, and fill the slot from the file; in the thread of the run.
 
     A file that exists is kept, and switched on. A slot of the start is filled by the next reset.
-    OSError, SyntaxError and whatever a file of the folder raises: the slot is unchanged.
+    An error of a file leaves the slot unchanged.
     """
     folder = runner._folder or CallbackFolder(_free_folder(), runner.SLOTS)
     file = folder._absolute / f"{slot}.py"

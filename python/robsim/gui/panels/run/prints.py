@@ -1,4 +1,4 @@
-"""What callbacks print: the newest lines, which the terminal gets as before."""
+"""The newest lines that callbacks print; the terminal gets them, too."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robsim.simulation.callbacks.signatures import CallTimes
 
 _MOST_LINES = 100
 _LONGEST = 200  # characters of a line
-_here = threading.local()  # `heard`: what the callback that runs in this thread prints to
+_here = threading.local()  # `heard` takes the text of the running callback
 
 
 class _Tee:
