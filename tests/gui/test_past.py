@@ -75,7 +75,7 @@ def test_a_robot_that_was_not_seen_is_told_from_a_measure_that_fails(noisy):
     simulation = robsim.Simulation(measure=lambda step: None, seed=1)
     simulation.run(2)
     missed = int(np.flatnonzero(~noisy.trace.seen)[-1])
-    for shown, k, said in ((noisy, missed, "blue"), (simulation, 0, "your measure")):
+    for shown, k, said in ((noisy, missed, "hidden by dropout"), (simulation, 0, "your measure")):
         with panel_of(shown) as (_, browser):
             browser.say("look", k=k)
             head, _ = browser.take("frame", past=True)
@@ -236,13 +236,3 @@ def test_particles_are_shown_by_their_weights():
         spread = np.std(head["particles"], axis=0)
         assert np.abs(np.mean(head["particles"], axis=0) - head["estimate"]["pose"][:2]).max() < 2
         assert (spread < 20).all()
-
-
-def test_a_robot_that_dropout_hid_is_said_to_be_hidden():
-    simulation = robsim.Simulation(measure=True, dropout=robsim.Dropout(0.5, steps=1), seed=1)
-    trace = simulation.run(8)
-    hidden = int(np.flatnonzero(trace["hidden"])[0])
-    with panel_of(simulation) as (_, browser):
-        browser.say("look", k=hidden)
-        head, _ = browser.take("frame", k=hidden)
-        assert head["missed"] == "hidden by dropout"
