@@ -39,7 +39,9 @@ class Clock:
 def clock(monkeypatch):
     """The clock of drivers and views: no time passes for them by itself."""
     clock = Clock()
-    panel = ("view", "still_part", "record", "run.camera", "run.transport", "analysis.past")
+    panel = ("view", "still_part", "record", "run.camera", "run.transport")
+    panel += ("analysis.past",)
+    monkeypatch.setattr("robsim.simulation.time_limit.time", clock)
     for module in ("_driver", "_worker", "_view", "_link", *(f"panels.{name}" for name in panel)):
         monkeypatch.setattr(f"robsim.gui.{module}.time", clock)
     return clock

@@ -102,12 +102,11 @@ def test_a_callback_that_fails_at_the_start_leaves_the_picture_out_and_two_may_a
     assert found[0] == found[1]
 
 
-def test_steps_are_kept_for_those_alone_who_have_a_place_for_a_picture(monkeypatch):
+def test_steps_are_kept_for_those_alone_who_have_a_place_for_a_picture():
     with panel_of(robsim.Simulation(measure=True, seed=1)) as (view, browser):
         done(view.driver.step())
         assert view.still._shot is None
-        monkeypatch.setattr(browser, "keeps_still", True, raising=False)
-        monkeypatch.setattr(browser, "keep", lambda picture: None)
+        browser.keeps_still, browser.keep = True, lambda picture: None
         done(view.driver.step())
         assert view.still._shot.k == 1
 

@@ -29,7 +29,7 @@ const sent = [];
 const model = {
   get: () => "panel",
   send: (message) => sent.push(message),
-  on: (_, listener) => listeners.add(listener),
+  on: (type, listener) => type == "msg:custom" && listeners.add(listener),
   off: (_, listener) => listeners.delete(listener),
 };
 const bytes = (text) => {
@@ -47,6 +47,7 @@ window.host = {
   },
   end: view.render({ model, el }),
 };
+setInterval(() => host.emit({ type: "alive" }, []), 2000); // as Python does
 """
 
 SETUP = {

@@ -16,6 +16,7 @@ from robsim.gui._worker import Worker, at_work
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callbacks.errors import callback_of
 from robsim.simulation.slots import AT_START
+from robsim.simulation.time_limit import TimeLimit
 
 if TYPE_CHECKING:
     from robsim.gui.panels.record import Record
@@ -81,6 +82,7 @@ class Playback:
 State = Literal["paused", "running", "ended", "failed", "closed"]
 T = TypeVar("T")
 SPEED = 5.0  # times real time
+LIMIT = 30.0  # s for a call of a callback, unless the run has its own limit
 _STAGE_PAUSE = 0.3  # s between two stages that are to be watched
 _CATCH_UP = 0.1  # s behind that are made up for; more are forgotten
 _LONGEST_GAP = 2.0  # s between two frames that are waited for: a record may have pauses
@@ -118,6 +120,12 @@ class Driver(Worker):
         self._animates = False
         self._unseen: deque[str] = deque()  # what came once, and is to be watched first
         self.speed = speed
+        #: The limit of the calls of callbacks, which knows the one under way.
+        self.limit = None if isinstance(runner, Playback) else runner._time_limit
+        self._own_limit = None if isinstance(runner, Playback) or self.limit else TimeLimit(LIMIT)
+        if self._own_limit is not None:
+            self.limit = self._own_limit
+            self._limit_calls(self.limit)
 
     @property
     def state(self) -> State:
@@ -140,6 +148,18 @@ class Driver(Worker):
     @property
     def n_waiting(self) -> int:
         return len(self._jobs)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it runs, or carries out a command."""
+        return self._state == "running" or self._is_working or bool(self._jobs)
+
+    @property
+    def waited_for(self) -> float | None:
+        """Since when a pause or a reset waits for the call under way (monotonic clock, s)."""
+        with self._wake:
+            asked = (getattr(job, "asked", None) for job in self._jobs)
+            return min((at for at in asked if at is not None), default=None)
 
     @property
     def is_stopped(self) -> bool:
@@ -180,7 +200,7 @@ class Driver(Worker):
 
     def pause(self) -> Future[None]:
         """Stop after the step under way; the robot of an experiment is stopped."""
-        return self._command(self._pause)
+        return self._command(self._pause, ends_call=True)
 
     def step(self) -> Future[None]:
         """Pause, and do one step."""
@@ -192,7 +212,7 @@ class Driver(Worker):
 
     def reset(self) -> Future[None]:
         """Pause, and go back to the start. The future has the exception if that is impossible."""
-        return self._command(self._reset)
+        return self._command(self._reset, ends_call=True)
 
     def stop_robot(self) -> Future[None]:
         """Stop the robot at once, in this thread, then pause; raises as `Experiment.stop_robot`.
@@ -203,7 +223,7 @@ class Driver(Worker):
             if isinstance(self.runner, Experiment):
                 self.runner.stop_robot()
         finally:
-            paused = self._command(self._pause, first=True)
+            paused = self._command(self._pause, first=True, ends_call=True)
         return paused
 
     def call(self, function: Callable[[], T]) -> Future[T]:
@@ -225,11 +245,16 @@ class Driver(Worker):
             return function()
 
     def _command(
-        self, function: Callable[[], T], *, ends_run: bool = True, first: bool = False
+        self,
+        function: Callable[[], T],
+        *,
+        ends_run: bool = True,
+        ends_call: bool = False,
+        first: bool = False,
     ) -> Future[T]:
         if self._is_elsewhere:
             raise RuntimeError("this run belongs to the process that was forked: make another one")
-        command = _Command(self, function, ends_run)
+        command = _Command(self, function, ends_run, time.monotonic() if ends_call else None)
         if not self.post(command, first=first):
             command.answer.cancel()
         if ends_run and self.is_here and self.runner.stop():  # a callback pauses its own run
@@ -258,7 +283,16 @@ class Driver(Worker):
             assert isinstance(command, _Command)
             command.answer.cancel()
 
+    def _limit_calls(self, limit: TimeLimit | None) -> None:
+        assert not isinstance(self.runner, Playback)
+        self.runner._limit_calls(limit)
+
     # In the thread.
+
+    def _work(self) -> None:
+        # One watchdog for all steps.
+        with nullcontext() if self.limit is None else self.limit.watching():
+            super()._work()
 
     def _due(self) -> float:
         if self._state != "running":
@@ -280,6 +314,9 @@ class Driver(Worker):
             self._stop_robot()
         except BaseException as error:  # whatever the user's motors raise
             self.report(error)
+        if self._own_limit is not None:
+            self._own_limit.seconds = math.inf  # slots of the start keep it
+            self._limit_calls(None)
         self._set("closed")
 
     def _attempt(self, advance: Callable[[], None]) -> None:
@@ -406,11 +443,16 @@ class Driver(Worker):
 
 
 class _Command:
-    """A job with an answer; `ends_run`: a run that waits for a frame, or is of many steps."""
+    """A job with an answer; `ends_run`: a run that waits for a frame, or is of many steps.
 
-    def __init__(self, driver: Driver, function: Callable[[], Any], ends_run: bool) -> None:
+    `asked` is when it came, if it ends a callback that hangs, too.
+    """
+
+    def __init__(
+        self, driver: Driver, function: Callable[[], Any], ends_run: bool, asked: float | None
+    ) -> None:
         self.answer = _Answer(driver)
-        self.ends_run = ends_run
+        self.ends_run, self.asked = ends_run, asked
         self._function = function
 
     def __call__(self) -> None:

@@ -21,6 +21,7 @@ Buffers = Sequence[bytes]
 _FORGET = 10.0  # s after which a view that says nothing, while others do, is gone
 _MOST_VIEWS = 20
 _WIDEST = 1 << 14  # px of a picture
+_SAID_LATE = ("grant", "size", "bye", "columns")  # which need no answer
 _MOST_REFUSALS = 10  # that are answered in a second
 SLOW = 0.3  # s between frames that are sent though nobody grants room
 
@@ -52,6 +53,8 @@ class Link(ABC):
         self.n_waiting = 0  # messages of its views; with the lock of the `View` held
         self.bytes_waiting = 0  # of their buffers, as that
         self.is_gone = False  # nothing can be sent any more
+        self._last: LastWords | None = None
+        self.said = 0.0  # when the last message was sent, by the monotonic clock
 
     @abstractmethod
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
@@ -61,6 +64,7 @@ class Link(ABC):
         """Send a message; if nobody is there any more, it is lost."""
         if self.is_gone:
             return
+        self.said = time.monotonic()
         try:
             self.transmit(head, buffers)
         except (OSError, RuntimeError):
@@ -76,6 +80,24 @@ class Link(ABC):
     def keep(self, picture: bytes) -> None:
         """Keep a picture (PNG) for when Python is gone, in place of an earlier one."""
         raise NotImplementedError  # where `keeps_still` is false
+
+    def end(self, last: LastWords) -> None:
+        """Send the last words to a view without any message; keep them for later ones."""
+        self._last = last
+        if not (self.is_watched or self.is_in_notebook):  # a widget asks first
+            self._say_last(last)
+
+    def late(self, message: Any) -> None:
+        """Answer a message that comes when all is over."""
+        kind = message.get("type") if isinstance(message, dict) else None
+        if kind == "hello" and self._last is not None:
+            self._say_last(self._last)
+        elif self._last is not None and kind not in _SAID_LATE:
+            self.refuse("This panel is closed")
+
+    def _say_last(self, last: LastWords) -> None:
+        for head, buffers in last.messages:
+            self.send(head, buffers)
 
     @property
     def is_watched(self) -> bool:
@@ -135,6 +157,19 @@ class Link(ABC):
         self.sent += 1
         self._last_frame = now
         self.send({**head, "n": self.sent, "sent": 1000 * time.time()}, buffers)
+
+
+class LastWords(Link):
+    """A line that keeps the last messages of a panel, for views that come after its end."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.messages: list[tuple[Mapping[str, Any], Buffers]] = []
+        self.greet("last")
+        self.grant("last", 1 << 30)
+
+    def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
+        self.messages.append((head, buffers))
 
 
 Check = Callable[[Any], Any]

@@ -11,12 +11,15 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from robsim.base.text import said_by
-from robsim.gui._link import Buffers, Link, Messages, Refused, checked_message
+from robsim.gui._link import Buffers, LastWords, Link, Messages, Refused, checked_message
 from robsim.gui._worker import Beside, Worker
 
 _MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are
 _MOST_BYTES_WAITING = 1 << 22  # of a line's buffers; what comes beyond that is thrown away
 _MOST_IN_A_ROW = 50  # jobs, before it looks for what is due
+_LATER = 3600.0  # s: by then all is due
+_MOST_LAST = 50  # messages at the end
+_BEAT = 2.0  # s without a message, after which a view gets a sign of life
 RETRY = 1.0  # s until what failed in `look` is tried again
 
 
@@ -39,12 +42,14 @@ class View(Worker):
         self._besides: list[Beside] = []
         self._next_look = math.inf  # when there is something to do without a job
         self._in_a_row = 0
+        self._last: LastWords | None = None
 
     # For hosts: any thread.
 
     def connect(self, link: Link) -> None:
         """Add a line; it is told something once a view on it says hello."""
-        self.post(lambda: self.links.append(link))
+        if not self.post(lambda: self.links.append(link)) and self._last is not None:
+            link.end(self._last)
 
     def disconnect(self, link: Link) -> None:
         self.post(lambda: self._disconnect(link))
@@ -59,6 +64,8 @@ class View(Worker):
                 received = _Received(self, link, message, buffers)
                 if self.post(received, first=is_urgent):
                     received.count(1)
+                else:
+                    link.late(message)
 
     def settle(self) -> None:
         """Wait until all is done that was received by now; in the thread itself it does not."""
@@ -82,6 +89,27 @@ class View(Worker):
         return self._besides[-1]
 
     # In the thread.
+
+    def _finish(self) -> None:
+        """Tell all the last state, and keep it for those who come later."""
+        self._last = last = LastWords()
+        if not self.links:
+            return
+        last.width = max(link.width for link in self.links)
+        self.links.append(last)
+        self.guarded(self.farewell, last)
+        self.guarded(self.tell, last)
+        now, said = time.monotonic(), -1
+        while said < len(last.messages) < _MOST_LAST:
+            said, now = len(last.messages), now + _LATER
+            self.guarded(self.look, now)
+        self.send({"type": "closed"})
+        self.links.remove(last)
+        for link in self.links:
+            link.end(last)
+
+    def farewell(self, last: Link) -> None:
+        """Prepare the last messages, which this line gets; not all views need to."""
 
     def send(self, head: Mapping[str, Any], *buffers: bytes) -> None:
         for link in self.links:
@@ -160,7 +188,15 @@ class View(Worker):
             self.guarded(self._disconnect, link)
         now = time.monotonic()
         due = self.guarded(self.look, now)
-        self._next_look = now + RETRY if due is None else due
+        self._next_look = min(now + RETRY if due is None else due, self._beat(now))
+
+    def _beat(self, now: float) -> float:
+        """Give silent lines a sign of life; return the time of the next one."""
+        watched = [link for link in self.links if link.is_watched]
+        for link in watched:
+            if now - link.said >= _BEAT:
+                link.send({"type": "alive"})
+        return min((link.said for link in watched), default=math.inf) + _BEAT
 
     def _hello(self, link: Link, message: dict[str, Any]) -> None:
         link.greet(message["id"])

@@ -37,7 +37,7 @@ class Worker(ABC):
     def __init__(self) -> None:
         self._jobs: deque[Callable[[], object]] = deque()
         self._wake = threading.Condition()
-        self._is_over = False
+        self._is_over = self._is_working = False
         self._thread: threading.Thread | None = None
         self._process = os.getpid()
         self._reported: set[tuple[str, int]] = set()
@@ -101,6 +101,11 @@ class Worker(ABC):
         return self._process != os.getpid()
 
     @property
+    def is_over(self) -> bool:
+        """Whether it takes no more jobs."""
+        return self._is_over
+
+    @property
     def is_here(self) -> bool:
         return threading.current_thread() is self._thread
 
@@ -142,14 +147,17 @@ class Worker(ABC):
 
     def _next_job(self) -> Callable[[], object] | None:
         with self._wake:
+            self._is_working = False
             while not (self._jobs or self._is_over):
                 due = self._due()
                 if (wait := due - time.monotonic()) <= 0:
+                    self._is_working = True
                     return self._do_due
                 is_news = self._wake.wait(_IDLE if due == math.inf else min(wait, _LONGEST_WAIT))
                 if not (is_news or self._jobs or self._is_over or self._due() < math.inf):
                     self._thread = None
                     return None
+            self._is_working = bool(self._jobs)
             return self._jobs.popleft() if self._jobs else None
 
 

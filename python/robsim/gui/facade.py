@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from robsim.teach.tasks import Task
 
 
+_PATIENCE = 0.5  # s with a command, before the panel is asked whether it will ever be done
+
+
 def panel(
     what: Shown,
     *,
@@ -295,9 +298,15 @@ class Panel(HostedPanel):
         futures.wait([self._view.driver.pause()], AT_EXIT)  # a callback may hang
 
     def _do(self, command: Future[Any]) -> None:
-        """Wait for a command, but not in a callback, which it waits for."""
+        """Wait for a command, but not in a callback, which it waits for.
+
+        TimeoutError: a callback that cannot be ended keeps it waiting.
+        """
         if self._view.driver.is_here:
             return
+        while not command.done() and futures.wait([command], _PATIENCE).not_done:
+            if (why := self._view.stuck.hopeless(is_call=command.running())) is not None:
+                raise TimeoutError(why)
         try:
             command.result()
         except CancelledError:

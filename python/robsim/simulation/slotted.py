@@ -229,12 +229,20 @@ class Slotted(RobotSlots, ABC):
         if not is_code(callback):  # native stages need neither
             return callback
         if self._time_limit is not None:
-            callback = self._time_limit.limited(callback)
+            callback = self._time_limit.limited(callback, slot)
         return self._call_times.timed(slot, callback) if self._call_times else callback
 
     def _time_calls(self, times: CallTimes | None) -> None:
         """Have the calls of all callbacks timed; None = no longer."""
         self._call_times = times
+        self._put_again()
+
+    def _limit_calls(self, limit: TimeLimit | None) -> None:
+        """Have the calls of all callbacks limited; None = no longer."""
+        self._time_limit = limit
+        self._put_again()
+
+    def _put_again(self) -> None:
         for slot, value in self._callbacks.items():
             is_over = slot in table.AT_START and self._core.has_started
             if not is_over and (value is True or is_code(value)):

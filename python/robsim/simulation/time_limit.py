@@ -20,6 +20,8 @@ from robsim.base.checks import check_float
 # does nothing, and hardly anybody uses it: Go wakes its threads with it for the same reasons.
 _WAKE_UP: Any = getattr(signal, "SIGURG", None) if hasattr(signal, "pthread_kill") else None
 
+_AGAIN = 1.0  # s after which a callback that continues is interrupted again, at most
+
 # Bytes: no struct sigaction is larger; that of Linux has 152.
 _LARGEST_ACTION = 1024
 
@@ -28,8 +30,14 @@ class _TimeIsUp(BaseException):
     """Interrupts a callback; not caught by an ``except Exception`` in it."""
 
 
+#: Modules whose frames stand on the stack of a thread while a debugger waits there.
+_DEBUGGERS = {"bdb", "pdb", "pydevd", "_pydevd_bundle"}
+
+
 class TimeLimit:
     """Interrupts a callback, by a watchdog thread, after a maximum number of seconds, above 0.
+
+    While a debugger waits in the callback, no time passes.
 
     Code that never returns to the Python interpreter, such as an endless call of a compiled
     library, cannot be interrupted. Outside the main thread, and on Windows, a blocking system call
@@ -41,23 +49,50 @@ class TimeLimit:
         self._lock = threading.Lock()
         self._deadline = math.inf
         self._is_up = False
+        self._why = ""  # it is interrupted, if not by the limit
         self._thread = 0  # the one that runs the callbacks
+        #: Name and start of the call under way, start of its interruption (monotonic clock, s).
+        self.call: tuple[str, float] | None = None
+        self.interrupted: float | None = None
         self._is_awakened = False  # the thread is interrupted by a signal
         self._is_watching = False
 
-    def limited(self, callback: Callable[..., Any]) -> Callable[..., Any]:
+    @property
+    def frame(self) -> FrameType | None:
+        """Where the thread of the callbacks is now; any thread may ask."""
+        return sys._current_frames().get(self._thread)
+
+    @property
+    def is_debugged(self) -> bool:
+        """Whether a debugger waits in the callback."""
+        frame = self.frame
+        while frame is not None:
+            if str(frame.f_globals.get("__name__")).partition(".")[0] in _DEBUGGERS:
+                return True
+            frame = frame.f_back
+        return False
+
+    def end(self, why: str) -> None:
+        """End the call that is under way, if it is still the same when it is looked at."""
+        with self._lock:
+            if self._deadline < math.inf and self.interrupted is None:
+                self._why, self._deadline = why, -math.inf
+
+    def limited(self, callback: Callable[..., Any], name: str = "") -> Callable[..., Any]:
         """Return the callback with the limit; it raises TimeoutError when the limit is exceeded."""
 
         @functools.wraps(callback)
         def call(*arguments: Any) -> Any:
             try:
                 try:
-                    self._deadline = time.monotonic() + self.seconds
+                    now = time.monotonic()
+                    self._why, self.call, self._deadline = "", (name, now), now + self.seconds
                     result = callback(*arguments)
                 finally:
                     with self._lock:
-                        is_late = self._is_up or time.monotonic() > self._deadline
+                        is_late = self._is_up or time.monotonic() > self._deadline > -math.inf
                         self._deadline, self._is_up = math.inf, False
+                        self.call = self.interrupted = None
             except _TimeIsUp as up:
                 raise TimeoutError(self._message()).with_traceback(up.__traceback__) from None
             if is_late:
@@ -67,7 +102,7 @@ class TimeLimit:
         return call
 
     def _message(self) -> str:
-        return f"the callback took longer than time_limit = {self.seconds:g} s"
+        return self._why or f"the callback took longer than time_limit = {self.seconds:g} s"
 
     @contextmanager
     def watching(self) -> Iterator[None]:
@@ -113,10 +148,14 @@ class TimeLimit:
     def _watch(self, done: threading.Event) -> None:
         while not done.wait(min(self.seconds / 4, 0.05)):
             with self._lock:
-                if time.monotonic() > self._deadline:
-                    self._is_up = True
+                if (now := time.monotonic()) <= self._deadline:
+                    continue
+                self._deadline = now + self.seconds
+                if not self.is_debugged:
                     # interrupts again if the callback catches it and continues
-                    self._deadline = time.monotonic() + self.seconds
+                    self._deadline = now + min(self.seconds, _AGAIN)
+                    self._is_up = True
+                    self.interrupted = self.interrupted or now
                     self._interrupt_callback()
 
     def _interrupt_callback(self) -> None:

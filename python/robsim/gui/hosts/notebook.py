@@ -70,7 +70,8 @@ def _after_cell(result: Any) -> None:
 
 def _display(data: dict[str, Any], metadata: Any = None, **options: Any) -> None:
     """Show something below the cell that runs, or in place of an earlier output; any thread may."""
-    get_ipython().display_pub.publish(data=data, metadata=metadata, **options)
+    if (shell := get_ipython()) is not None:  # the kernel ends
+        shell.display_pub.publish(data=data, metadata=metadata, **options)
 
 
 def _img(picture: bytes, name: str = "robsim-still") -> str:
@@ -154,6 +155,8 @@ class NotebookLink(Link):
     def _receive(self, widget: object, message: Any, buffers: Buffers) -> None:
         if (view := self._view()) is not None:
             view.receive(self, message, [bytes(one) for one in buffers])  # copies of memoryviews
+        else:
+            self.late(message)
         self._deliver()
 
     def _deliver(self) -> None:

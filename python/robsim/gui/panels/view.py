@@ -28,6 +28,7 @@ from robsim.gui.panels.run.challenge import Challenge
 from robsim.gui.panels.run.controls import Controls
 from robsim.gui.panels.run.scenario import ScenarioOptions
 from robsim.gui.panels.run.share import Share
+from robsim.gui.panels.run.stuck import Stuck
 from robsim.gui.panels.run.tools import Tools
 from robsim.gui.panels.run.transport import Transport
 from robsim.gui.panels.still_part import Still
@@ -68,7 +69,7 @@ class PanelView(View):
         self._alone_at = math.inf  # when the run is paused, as nobody looks
         self._was_running = self._is_change_waiting = False
         self.rows, self.past, self._result = Rows(self), Past(self), Result(self)
-        self.camera, self.still = CameraView(self), Still(self)
+        self.camera, self.still, self.stuck = CameraView(self), Still(self), Stuck(self)
         kinds = [Transport, Controls, Statistics, Parameters, Inspector, Ghosts]
         self.share = Share(self)
         if not isinstance(self.runner, Playback):
@@ -77,7 +78,7 @@ class PanelView(View):
             kinds.append(ScenarioOptions)
         made = (kind(self) for kind in kinds)
         self.tools = Tools(self)
-        analysis = (self.past, self._result, self.still, self.rows, self.tools, self.share)
+        analysis = (self.past, self._result, self.still, self.rows, self.stuck, self.tools, self.share)
         self._parts: list[Part] = [self.camera, *made, *analysis]
         if task is not None:
             self._parts.append(Challenge(self, task))
@@ -103,6 +104,9 @@ class PanelView(View):
     def close(self, timeout: float = 5.0) -> bool:
         """End the run and the panel; what is shown stays as it is. False if a callback hangs."""
         has_ended = self.driver.close(timeout)
+        if not has_ended and self.driver.limit is not None:
+            self.driver.limit.end("the panel was closed")
+            has_ended = self.driver.close(min(timeout, _PATIENCE))
         has_ended = super().close(timeout) and has_ended
         for part in self._parts:
             part.close(timeout)
@@ -170,6 +174,11 @@ class PanelView(View):
     def check_room(self, factor: int = 1) -> None:
         if not self.has_room(factor):
             raise Refused("The run does not answer: a callback is still busy")
+
+    def farewell(self, last: Link) -> None:
+        last.rows = dict.fromkeys(self.record.columns(), 0)
+        if self.driver.state == "closed":  # otherwise a callback hangs, and the step is not over
+            self.camera.renew()
 
     def tell_setup(self) -> None:
         self.send(self._gathered("setup"))

@@ -46,7 +46,7 @@ function modelOf(socket) {
       if (socket.readyState == WebSocket.CONNECTING) waiting.push(data);
       else say(data);
     },
-    on: (_, listener) => listeners.add(listener),
+    on: (type, listener) => type == "msg:custom" && listeners.add(listener),
     off: (_, listener) => listeners.delete(listener),
   };
 }

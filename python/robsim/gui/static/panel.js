@@ -65,7 +65,7 @@ function layOut(context, camera, place) {
   const left = [makeTitle(context), { element: view }, transport, timeline,
     makeChallenge(context), makeControls(context)];
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
-    share.element, trouble.lost];
+    share.element];
   const panel = make("div.robsim-panel", { tabIndex: -1 },
     make("div.robsim-left.robsim-column", ...left.map((part) => part.element)),
     make("div.robsim-right.robsim-column",

@@ -6,6 +6,7 @@ import { renderRobots } from "./tools/robots.js";
 import { renderStart } from "./start/start.js";
 import { isPage, make } from "./base/dom.js";
 import { guardFromDrops } from "./tools/load.js";
+import { makeHeart } from "./base/heart.js";
 
 const VIEWS = { panel: renderPanel, start: renderStart, colors: renderColors, floor: renderFloor,
   robots: renderRobots };
@@ -21,20 +22,25 @@ function render({ model, el }) {
   guardFromDrops(isPage() ? window : el); // beside the view, too, and while that is lost
   const view = VIEWS[model.get("kind")]({ el, send });
   let queue = Promise.resolve();
+  const heart = makeHeart(el, view.begin);
   const receive = (head, buffers) => {
+    heart.heard();
     view.arrived(head);
-    const take = () => view.receive(head, buffers ?? []);
+    const take = () => head.type == "closed" ? heart.close() : view.receive(head, buffers ?? []);
     queue = queue.then(take).catch((error) => console.error(error));
     return queue; // for tests
   };
   const bye = () => send({ type: "bye" });
   model.on("msg:custom", receive);
+  model.on("comm_live_update", heart.cut); // of Jupyter's widgets: the kernel was restarted
   addEventListener("pagehide", bye);
   view.begin();
   return () => {
     view.end();
+    heart.end();
     removeEventListener("pagehide", bye);
     model.off("msg:custom", receive);
+    model.off("comm_live_update", heart.cut);
     bye();
   };
 }

@@ -62,6 +62,11 @@ class Summary(Part):
             return math.inf  # until it is done
         record, is_running = self.panel.record, self.panel.is_running
         seen = record.n_resets, record.n_steps
+        if self.panel.is_over:  # nothing can come later
+            if seen != self._seen:
+                self._seen, self._newest = seen, self.message(record.trace)
+                self.panel.send(self._newest)
+            return math.inf
         due = self._since + self._gap if is_running else math.inf
         if now < due and (is_running or seen == self._seen):
             return due

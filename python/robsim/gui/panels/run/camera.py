@@ -215,6 +215,11 @@ class CameraView(Part):
             self._send(shot, ready, now)
         return math.inf if len(ready) == len(lacking) else now + SLOW
 
+    def renew(self) -> None:
+        """Take the last step of a run that has ended."""
+        if self.panel.record.n_steps:
+            self._newest = self.panel.record.shot(self.panel.runner.last_step)
+
     def encode(self, shot: Shot, width: int) -> bytes:
         return picture_of(shot.frame, width)
 

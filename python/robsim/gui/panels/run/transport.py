@@ -138,7 +138,7 @@ class Transport(Part):
         driver, record = self.panel.driver, self.panel.record
         n_resets, steps, error = record.n_resets, record.n_steps, driver.error
         return {
-            "state": driver.state,
+            "state": "closed" if self.panel.is_over else driver.state,
             "k": steps - 1,
             "steps": steps,
             "resets": n_resets,
@@ -177,6 +177,9 @@ class Transport(Part):
             raise Refused("The frames are over. Reset begins with the first one again.")
         if button == "stop":
             self._stop()
+            return
+        if button == "end":
+            self.panel.stuck.end()
             return
         self.panel.check_room(2 if button == "pause" else 1)
         buttons = {

@@ -1,20 +1,22 @@
 // What is wrong, or to be done first: over the picture, where the eye is.
 import { makeButton } from "../base/buttons.js";
-import { isPage, make, sayOrHide, text } from "../base/dom.js";
+import { make, sayOrHide, text } from "../base/dom.js";
 import { icon } from "../base/icons.js";
 
 export function makeTrouble(context, press) {
   const error = makeError(context, press);
+  const stuck = makeStuck(press);
   const remark = make("p.robsim-remark.robsim-surface.robsim-afloat",
     { role: "status", hidden: true });
   const first = makeButton("first", "robsim-primary robsim-first-button robsim-afloat", () => press("start"));
   const how = make("span", text("first.hint"));
   const hint = make("div.robsim-first", { hidden: true }, first, how);
-  const element = make("div.robsim-trouble", hint, remark, error.element);
+  const element = make("div.robsim-trouble", hint, remark, error.element, stuck.element);
   let noPicture = null; // why, and of which step
   const show = () => {
     const { state, steps, error: what } = context.state;
     error.show(what);
+    stuck.show(context.state.stuck);
     hint.hidden = state != "paused" || steps > 0;
     const words = noPicture ? text("remark.no_picture", noPicture) : remarkOf(context);
     sayOrHide(remark, what ? "" : words);
@@ -26,14 +28,13 @@ export function makeTrouble(context, press) {
   };
   context.on("past", miss);
   context.on("frame", ({ k }) => noPicture && noPicture.k != k && miss(null));
-  return { element, lost: makeLost() };
+  return { element };
 }
 
 function remarkOf({ state: { state, stopped }, setup }) {
   if (stopped && state != "running") return text("remark.stopped");
   if (state == "ended" && setup?.source == "trace") return "";
-  if (state == "closed" && isPage()) return text("remark.closed.page");
-  return ["ended", "closed"].includes(state) ? text(`remark.${state}`) : "";
+  return state == "ended" ? text("remark.ended") : "";
 }
 
 /** The error of a callback: whose, where, in which step, the line; the traceback on demand. */
@@ -74,12 +75,28 @@ function makeError(context, press) {
   return { element, show };
 }
 
-/** What covers the panel when nobody answers any more; panel.css shows it. */
-function makeLost() {
-  const where = isPage() ? "page" : "notebook";
-  const card = (state, what, todo) =>
-    make(`div.robsim-surface.robsim-afloat.robsim-card.robsim-lost-${state}`,
-      make("strong", text(what)), make("p", text(todo)));
-  const cards = [card("lost", "lost", "lost.again"), card("gone", "gone", `gone.${where}`)];
-  return make("div.robsim-lost", { role: "alert" }, ...cards);
+/** A callback that does not end: which one, since when, where; a button ends it. */
+function makeStuck(press) {
+  const title = make("strong");
+  const place = make("span.robsim-code.robsim-quiet");
+  const words = make("p.robsim-error-text", { role: "alert" }); // seconds are not said aloud
+  const code = make("pre.robsim-code.robsim-error-code");
+  const end = makeButton("end", "robsim-primary", () => press("end"));
+  const element = make("section.robsim-error.robsim-stuck.robsim-surface.robsim-afloat.robsim-column",
+    { hidden: true },
+    make("div.robsim-error-title.robsim-row", icon("warning"), title, place),
+    words, code, make("div.robsim-error-buttons", end));
+  const show = (what) => {
+    element.hidden = what == null;
+    if (what == null) return;
+    const { slot, seconds, limit, file, line, code: source, how } = what;
+    title.textContent = text("stuck", { slot, seconds });
+    words.textContent = text(`stuck.${how}`, { limit });
+    place.textContent = file ? text("file.line", { file: file.split(/[\\/]/).pop(), line }) : "";
+    place.title = file ?? "";
+    code.textContent = source ?? "";
+    code.hidden = !source;
+    end.hidden = how != "runs";
+  };
+  return { element, show };
 }
