@@ -79,6 +79,27 @@ def test_what_was_saved_is_played_back(seen, tmp_path):
     assert command("gui", "late.npz", cwd=tmp_path).exit_code == 2
 
 
+def test_the_run_is_kept_and_estimated_when_its_last_page_is_closed(seen, user_folder, monkeypatch):
+    runs = user_folder / "runs"
+    runs.mkdir(parents=True)
+    for old in range(10):
+        (runs / f"1999-{old}.npz").touch()
+
+    def wait(page, patience):
+        page.view.runner.run(60)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("robsim.gui.hosts.page.Page.wait", wait)
+        told = command("gui", "--seed", "1").stdout
+    assert "estimate" in told.partition(".npz")[2]
+    *_, kept = kept_runs = sorted(runs.glob("*.npz"))
+    assert len(kept_runs) == 10
+    assert f"robsim gui {kept}" in told
+    run = command("gui", str(kept))
+    assert seen.view.record.n_steps == 60
+    assert ".npz" not in run.stdout  # a saved run is not kept again
+
+
 def test_the_options_of_a_run(seen, tmp_path):
     options = ("--noise", "gaussian:5", "--dropout", "0.3:2", "--area", "400x300", "--seed", "4")
     options += ("--control", "go-to-point:200,100", "--speed", "max", "--robot", "lab")

@@ -1,4 +1,4 @@
-"""What a panel says when a callback hangs, when Python is silent, and when all is over."""
+"""Callbacks that hang, a silent Python, and the end of a panel."""
 
 import math
 import threading
@@ -68,15 +68,15 @@ def hang(clock):
 
 
 def stuck(here, clock, after, **fields):
-    """Let time pass, and wait until the page is told of the callback so."""
+    """Let time pass, and wait until the page shows the callback so."""
     clock.advance(here.view, after)
 
-    def is_told():
+    def is_shown():
         clock.advance(here.view, 0.0)
         told = here.newest("state")["stuck"]
         return told and fields.items() <= told.items() and told
 
-    wait_for(is_told)
+    wait_for(is_shown)
     return here.newest("state")["stuck"]
 
 
@@ -208,7 +208,7 @@ def test_who_comes_late_gets_the_last_state_without_the_run(steps):
     for _ in range(steps):
         view.driver.step().result(SOON)
     view.close(SOON)
-    late = FakeBrowser(view)  # connects, says hello, and asks for columns
+    late = FakeBrowser(view)
     assert late.take("setup")[0]["title"]
     assert late.take("state")[0]["state"] == "closed"
     head, (picture, *_) = late.take("frame")
@@ -225,3 +225,28 @@ def test_a_panel_that_hangs_is_closed_all_the_same_for_those_who_look(hang, cloc
     wait_for(lambda: here.of("closed"))
     assert here.newest("state")["state"] == "closed"
     control.may_go_on.set()
+
+
+class Notebook(FakeBrowser):
+    """A line that keeps a picture."""
+
+    keeps_still = True
+
+    def keep(self, picture):
+        self.transmit({"type": "kept"}, [picture])
+
+
+@pytest.mark.slow  # figures are drawn
+def test_a_notebook_keeps_a_picture_from_time_to_time_while_it_runs(clock):
+    view = PanelView(simulation(measure=True), speed=math.inf)
+    notebook = Notebook(view)
+    notebook.press("start")
+    pictures = []
+    for _ in range(2):
+        clock.advance(view, 15.1)
+        wait_for(lambda: view.still._due < math.inf)
+        clock.advance(view, 0.6)
+        pictures += notebook.take("kept")[1]
+    assert view.driver.state == "running"
+    assert len({*pictures}) == 2
+    assert view.close(SOON)

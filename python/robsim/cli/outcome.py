@@ -7,6 +7,7 @@ import json
 import os
 import socket
 import sys
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from robsim._core import Frame
     from robsim.base.report import Report
+    from robsim.gui import Panel
     from robsim.gui.hosted import HostedPanel
     from robsim.simulation import Experiment, Simulation
     from robsim.trace import Trace
@@ -93,6 +95,7 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
     save_video(file, shown, fps=min(500.0, max(0.1, 1 / dt)))
 
 
+_MOST_RUNS = 10  # that are kept
 _PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
 
 
@@ -120,3 +123,29 @@ def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) ->
         errors.print_note("ended")
     else:
         errors.say("ended" if page.fault else "its last page was closed: ended")
+
+
+def keep_run(opened: Panel) -> None:
+    """Save the run of a panel that ends among the newest runs; print its place and estimate."""
+    from robsim.gui.panels.run.stuck import PATIENCE
+    from robsim.vision.robots.lookup import data_folder
+
+    opened._pause_soon(2 * PATIENCE)
+    trace = opened.trace
+    if opened._is_saved or not len(trace):
+        return
+    folder = data_folder() / "runs"
+    file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S}.npz"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        trace.save(file)
+        for old in sorted(folder.glob("*.npz"))[:-_MOST_RUNS]:
+            old.unlink()
+    except OSError as error:
+        errors.print_note(f"the run could not be saved: {error}")
+    else:
+        errors.say(f"its {len(trace)} steps are in {file}; to see them again: robsim gui {file}")
+    try:
+        errors.say(str(opened.finish()))
+    except ValueError as error:  # too few steps
+        errors.say(f"no estimate: {error}")

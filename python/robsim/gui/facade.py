@@ -23,6 +23,7 @@ from robsim.gui.hosted import AT_EXIT, HostedPanel, lock, opened
 from robsim.gui.panels.view import PanelView, Shown
 from robsim.simulation import Simulation
 from robsim.trace import Trace
+from robsim.trace.sessions.session import Session
 from robsim.vision.imaging import images
 
 if TYPE_CHECKING:
@@ -50,7 +51,8 @@ def panel(
     ----------
     what : Simulation, Experiment, Recording, Trace or Session
         What the panel runs and shows. A simulation or an experiment belongs to it until it is
-        closed: pause before you look at its frames or change it. A recording is measured frame by
+        closed: pause before you look at its frames or change it. The panel ends a call of a
+        callback after 30 s, unless the run has a `time_limit`. A recording is measured frame by
         frame; a trace or a session is played back.
     speed : float, optional
         Multiple of real time, above 0; ``float("inf")`` = as fast as it goes. A live camera sets
@@ -76,8 +78,8 @@ def panel(
 
     Notes
     -----
-    A notebook needs ``pip install "robsim[notebook]"``. Saved, it keeps a picture of the last
-    pause, for readers without Python. JupyterLab and Jupyter Notebook 7 show the panel at full
+    A notebook needs ``pip install "robsim[notebook]"``. Saved, it keeps a recent picture of the
+    panel, for readers without Python. JupyterLab and Jupyter Notebook 7 show the panel at full
     speed. Colab delivers a few pictures a second. VS Code loads a part of its widgets from the
     internet, and asks you once. Where the panel does not appear, ``panel.open()`` and
     ``robsim gui`` show it in a browser window.
@@ -294,8 +296,13 @@ class Panel(HostedPanel):
     def _is_closed(self) -> bool:
         return self.state == "closed"
 
-    def _pause_soon(self) -> None:
-        futures.wait([self._view.driver.pause()], AT_EXIT)  # a callback may hang
+    @property
+    def _is_saved(self) -> bool:
+        """Whether it plays back a run that is in a file."""
+        return isinstance(self._what, (Trace, Session))
+
+    def _pause_soon(self, timeout: float = AT_EXIT) -> None:
+        futures.wait([self._view.driver.pause()], timeout)  # a callback may hang
 
     def _do(self, command: Future[Any]) -> None:
         """Wait for a command, but not in a callback, which it waits for.

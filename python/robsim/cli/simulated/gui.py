@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robsim.cli import errors, shared
-from robsim.cli.outcome import show_panel
+from robsim.cli.outcome import keep_run, show_panel
 from robsim.cli.simulated.world import options_of, simulation_of, takes_world
 from robsim.cli.text import about, parse_speed
 
@@ -48,7 +48,8 @@ def gui(
     calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a video,
     a simulation of callbacks; by default on the robot, or an example.
 
-    It ends when you close its last page, or with Ctrl-C. Only browsers on this machine can open the
+    It ends when you close its last page, or with Ctrl-C. The run is saved then, and its batch
+    estimate printed; the newest ten runs are kept. Only browsers on this machine can open the
     page.
 
     PATH: Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder of a
@@ -97,6 +98,7 @@ def gui(
         shown = _shown(path, saved, options)
         with panel(shown, speed=factor, goals=goals, task=scored) as opened:
             show_panel(opened, port, is_wanted=not no_browser)
+            keep_run(opened)
             if chosen_task is not None:
                 errors.say(_scored(chosen_task, opened.trace))
 

@@ -11,21 +11,28 @@ from robsim._core import Step
 from robsim.gui.panels.part import Part
 from robsim.gui.panels.run.camera import Shot
 
+_GAP = 15.0  # s between two pictures while it runs
 _REST = 0.5  # s after a step, since whoever steps on and on is not to wait for pictures
 
 
 class Still(Part):
     """Draws the panel, and gives the picture to the lines that keep one after each pause.
 
-    That takes a second or so, in a thread of its own: meanwhile the panel answers.
+    It also does so now and then while the run continues. That takes a second or so, in a separate
+    thread: meanwhile the panel answers.
     """
 
     _shot: Shot | None = None  # of the last step while nothing runs
     _due = math.inf
+    _next = -math.inf  # when one may be taken of a run
     _thread: threading.Thread | None = None
 
     def take(self, step: Step) -> None:
-        if not self.panel.is_running and any(link.keeps_still for link in self.panel.links):
+        is_running = self.panel.is_running
+        if is_running and time.monotonic() < self._next:
+            return
+        if any(link.keeps_still for link in self.panel.links):
+            self._next = time.monotonic() + _GAP
             self._shot = self.panel.record.shot(step)
             self.panel.post(self._later)
 

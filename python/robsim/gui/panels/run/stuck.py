@@ -18,7 +18,7 @@ _GAP = 0.5  # s between two looks while it runs
 
 
 class Stuck(Part):
-    """Tells of a call of a callback that takes long, and ends it for those who wait for its end.
+    """Reports a call of a callback that takes long, and ends it for those who wait for its end.
 
     These are a button, a pause, a reset, and a file that was saved meanwhile. The limit of the
     calls does the ending. No call is ended while a debugger waits in it.
@@ -54,7 +54,7 @@ class Stuck(Part):
             limit.end(f"{why}, after {self.told['seconds']} s")
 
     def hopeless(self, *, is_call: bool) -> str | None:
-        """Why a command would wait for ever, which `is_call` or waits for it; any thread may ask.
+        """Why a command, which `is_call` or waits for it, would never end; any thread may ask.
 
         A call in a debugger is as long as its user likes.
         """

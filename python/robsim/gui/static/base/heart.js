@@ -1,4 +1,4 @@
-// Whether Python still answers: it says something every two seconds, whatever a run or a cell does.
+// The sign of life: Python gives one every two seconds, beside any run or cell.
 import { isPage, make, sayOrHide, text } from "./dom.js";
 
 const LOOK = 1000; // ms between two looks
@@ -6,8 +6,8 @@ const SLEPT = 3000; // ms without a look: a tab in the background, or a closed l
 const [SILENT, LOST] = [8, 20]; // s without a word, after which that is said; it is in the way
 const ASK = 10; // s of silence, after which it is asked again
 
-const SETTING = // what would do nothing when all is over
-  ".robsim-tool, .robsim-controls, .robsim-timeline, .robsim-camera-bar, .robsim-tool-buttons";
+const SETTING = // has no effect after the end
+  ".robsim-tool, .robsim-controls, .robsim-timeline, .robsim-camera-bar, .robsim-open-tools";
 
 /** Make it for a view; `begin` says hello, which brings all that was missed. */
 export function makeHeart(el, begin) {
