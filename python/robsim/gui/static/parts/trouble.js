@@ -79,7 +79,7 @@ function makeError(context, press) {
 function makeStuck(press) {
   const title = make("strong");
   const place = make("span.robsim-code.robsim-quiet");
-  const words = make("p.robsim-error-text", { role: "alert" }); // seconds are not said aloud
+  const words = make("p.robsim-stuck-text", { role: "alert" }); // seconds are not said aloud
   const code = make("pre.robsim-code.robsim-error-code");
   const end = makeButton("end", "robsim-primary", () => press("end"));
   const element = make("section.robsim-error.robsim-stuck.robsim-surface.robsim-afloat.robsim-column",
