@@ -250,3 +250,35 @@ def test_a_notebook_keeps_a_picture_from_time_to_time_while_it_runs(clock):
     assert view.driver.state == "running"
     assert len({*pictures}) == 2
     assert view.close(SOON)
+
+
+# --- in a browser
+
+
+@pytest.mark.slow
+def test_a_silent_python_is_shown_then_covers_the_buttons_and_comes_back(open_fake):
+    host = open_fake()
+    host.setup()
+    host.state()
+    strip, cover = host.tab.locator(".robsim-silent"), host.tab.locator(".robsim-lost")
+    host.tab.evaluate(
+        """() => {
+            const [emit, now] = [host.emit, performance.now.bind(performance)];
+            Object.assign(host, { mute: true, late: 0 });
+            host.emit = (head, texts) => !host.mute && emit(head, texts);
+            performance.now = () => now() + host.late;
+            setInterval(() => (host.late += 350), 250);
+        }"""
+    )
+    strip.wait_for(state="visible")
+    assert cover.is_hidden()
+    host.tab.locator("button[name=start]").first.click()
+    assert host.sent("press")
+    cover.wait_for(state="visible")
+    assert host.tab.evaluate("document.querySelector('.robsim-panel').inert")
+    host.tab.evaluate("host.mute = false")
+    cover.wait_for(state="hidden")
+    assert not host.tab.evaluate("document.querySelector('.robsim-panel').inert")
+    host.emit({"type": "closed"})
+    assert host.tab.locator("main[data-state=closed]").count() == 1
+    assert strip.is_visible()
