@@ -34,7 +34,7 @@ class Case:
         return 0.1, 0.1
 
     def bring(self, state, *, ends):
-        """Bring a panel into a state; its run ends by itself, or not."""
+        """Bring a panel into a state; `ends`: its frames have an end."""
         runner = simulation(control=self.control)
         if ends:
             runner = experiment(frames(3), control=lambda step: (0, 0))
