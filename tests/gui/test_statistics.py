@@ -78,6 +78,8 @@ def computing(monkeypatch):
 class FakePanel(SimpleNamespace):
     """What a `Statistics` uses of the panel; what is computed beside it is waited for."""
 
+    is_over = False
+
     def __init__(self, **record):
         watched = [SimpleNamespace(is_watched=True)]
         super().__init__(record=SimpleNamespace(**record), is_running=True, links=watched)
