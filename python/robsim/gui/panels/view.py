@@ -78,7 +78,15 @@ class PanelView(View):
             kinds.append(ScenarioOptions)
         made = (kind(self) for kind in kinds)
         self.tools = Tools(self)
-        analysis = (self.past, self._result, self.still, self.rows, self.stuck, self.tools, self.share)
+        analysis = (
+            self.past,
+            self._result,
+            self.still,
+            self.rows,
+            self.stuck,
+            self.tools,
+            self.share,
+        )
         self._parts: list[Part] = [self.camera, *made, *analysis]
         if task is not None:
             self._parts.append(Challenge(self, task))
