@@ -176,6 +176,7 @@ def test_what_is_told_of_the_whole_record_is_of_the_new_run():
     wanted = anew.run(40).parameters[-1].ravel().tolist()
     with panel_of(sim) as (view, browser):
         before, _ = browser.take("statistics")
+        browser.say("hello", width=300)  # again, as parameters may have come before
         browser.take("parameters")
         seed_anew(view, 40)
         browser.say("grant", upto=10**9, late=False)  # it looks again
