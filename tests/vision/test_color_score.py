@@ -70,7 +70,7 @@ def test_the_right_place_and_area():
         ([(41, 40, 60, 59)], False),  # elsewhere
         ([REGION, (70, 10, 89, 29)], False),  # another one
         ([REGION, (70, 10, 79, 19)], True),  # a small one
-        ([REGION, (62, 5, 99, 42)], True),  # one that is too large for a marker
+        ([REGION, (62, 5, 99, 42)], True),  # too large
     ):
         score = score_color(scene(*boxes), COLOR, [REGION], smoothing=1, repeats=1)
         assert rates(score, "brightness")["brightness"] == (float(is_found),) * 6

@@ -152,10 +152,10 @@ def score_color(
 ) -> ColorScore:
     """Score how robustly a colour is detected when the light changes and noise is added.
 
-    The colour counts as detected if each region contains the centroid of a blob whose area is a
-    third to three times that of the region, and no other blob has such an area. The image is made
-    darker and brighter, gets a shadow whose edge runs through the first region, and gets camera
-    noise, in the light and in the shadow.
+    The colour counts as detected under two conditions. Each region contains the centroid of a blob
+    of a third to three times its area; no other blob has such an area. The image is made darker and
+    brighter. It gets a shadow whose edge runs through the first region. It gets camera noise, in the
+    light and in the shadow.
 
     Parameters
     ----------
