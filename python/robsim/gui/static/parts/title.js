@@ -6,7 +6,7 @@ import { icon } from "../base/icons.js";
 const MOODS = { running: "good", failed: "bad", stopped: "bad", ended: "warning" };
 
 export function makeTitle(context) {
-  const name = make("span.robsim-title-name.robsim-clipped");
+  const name = make("span.robsim-title-name");
   const state = make("span.robsim-chip.robsim-title-state", { role: "status" });
   const step = make("output.robsim-number.robsim-title-step");
   const time = make("output.robsim-number.robsim-title-time");

@@ -73,7 +73,7 @@ function wayOf({ ctrlKey, metaKey, altKey, shiftKey, key }) {
 
 /** The top line: name of the tool, source of its pictures, looks of this view. */
 function makeToolTitle(context, tool) {
-  const name = make("span.robsim-title-name.robsim-clipped");
+  const name = make("span.robsim-title-name");
   const source = make("span.robsim-quiet.robsim-tool-source.robsim-clipped");
   context.on("setup", () => {
     name.textContent = text(`tool_title.${tool}`);
