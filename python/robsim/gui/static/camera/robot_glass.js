@@ -33,24 +33,29 @@ export function makeRobotGlass(context) {
   const glass = makeGlass(context,
     { glass: 0, zoom: () => zoom, over, imageOf, label: text("robot_glass") });
   glass.canvas.role = "img";
-  const element = make("div.robsim-robot-glass", { hidden: true }, glass.canvas, words);
-  /** Show the place of a pixel, or both markers, in a scene; false: nothing. */
-  const show = (scene, pointed) => {
-    const { measured, held, estimate } = context.frame;
+  const element = make("div.robsim-robot-glass", { hidden: true });
+  const place = (scene, pointed) => {
+    const { frame: { measured, held, estimate }, setup: { robot: { markers } } } = context;
     const pose = measured ?? held ?? estimate?.pose;
-    const { markers } = context.setup.robot;
+    if (pointed || !pose) return [pointed, []];
     const points = markers.length ? markers.flat() : [[0, 0]];
-    const around = pointed || !scene || !pose ? []
-      : points.map((point) => scene.pixelOf(fromRobot(pose, point)));
-    const at = scene && (pointed ?? (around.length ? middleOf(around) : null));
-    element.hidden = !at;
+    const around = points.map((point) => scene.pixelOf(fromRobot(pose, point)));
+    return [middleOf(around), around];
+  };
+  /** Show the place of a pixel, or both markers, in a scene; without a scene nothing. */
+  const show = (scene, pointed) => {
+    const [at, around] = scene ? place(scene, pointed) : [null, []];
+    if (element.hidden != !at) {
+      element.hidden = !at;
+      element.replaceChildren(...(at ? [glass.canvas, words] : []));
+    }
     if (at) {
       const isRight = scene.pixel(at)[0] > scene.pen.canvas.width / 2;
       element.classList.toggle("robsim-left", isRight);
       const reach = Math.max(0, ...around.map((point) => distance(at, point)));
       zoom = reach ? glass.canvas.clientWidth / (2.1 * reach) : ZOOM;
     }
-    glass.show(at || null);
+    glass.show(at ?? null);
   };
   return { element, show };
 }
