@@ -106,8 +106,9 @@ SHORTER = {
 }
 
 
-# These take an assignment, and minutes: tests/assignments/test_commands.py.
-ELSEWHERE = ("robsim assignment ", "robsim grade hw")
+# These take an assignment, and minutes: tests/assignments/test_commands.py. A run that was shared:
+# tests/gui/test_share.py.
+ELSEWHERE = ("robsim assignment ", "robsim grade hw", "robsim replay ")
 
 
 @pytest.mark.slow

@@ -225,6 +225,11 @@ def use_charts(mouse):
     assert wait_for(lambda: mouse.chart("u1").count("true") == 0)
     tab.click("button[name=remove_u1]")
     assert tab.locator("canvas[aria-label^=u1]").count() == 0
+    tab.click("button[name=keep]")
+    tab.click("button[name^=drop_]")
+    tab.wait_for_selector("button[name^=drop_]", state="detached")
+    tab.select_option("select[name=compare]", "reference")
+    tab.click("button[name=drop_reference]")
     for sheet in ("Traces", "Parameters"):
         mouse.open(sheet)
         follow = tab.locator("button[name=follow]:visible")
@@ -316,7 +321,7 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_tools(mouse)
     # An error, notes and motors are not there. Only code of files has Edit. Options: their test.
     elsewhere = ".robsim-scenario, .robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
-    elsewhere += ", [name=home], .robsim-challenge *, [name=check]"
+    elsewhere += ", [name=home], .robsim-challenge *, [name=check], [name=ghost_file]"
     elsewhere += ", [name^=make_mine]"  # which writes files: test_callbacks_part
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 
