@@ -92,7 +92,7 @@ class Summary(Part):
 
 _NEES_STEPS = 300
 _NEES_GAP = 10  # steps, after which errors are taken to be independent
-_NEES_LEVELS = (0.95, 0.999)  # of the bands: outside of the first a warning, of both bad
+_NEES_LEVELS = (0.95, 0.999)  # of the bands: outside of the first a warning, above both bad
 
 _NAMES = (("x", "px", 1.0), ("y", "px", 1.0), ("heading", "deg", math.degrees(1.0)))
 
@@ -137,7 +137,7 @@ def nees_of(trace: Trace) -> dict[str, Any] | None:
         "n": len(known),
         "band": band.tolist(),
         "wide": wide.tolist(),
-        "level": "good" if inside[0] else "warning" if inside[1] else "bad",
+        "level": "good" if inside[0] else "warning" if inside[1] or mean < 3 else "bad",
         "verdict": "consistent" if inside[0] else "optimistic" if mean > 3 else "conservative",
     }
 
