@@ -18,6 +18,8 @@ MANUAL = "09_the_manual_of_2008"
 FIGURES = list(range(1, 36))  # of chapter 2 of the manual
 LEFT_BEHIND = """
 import threading
+if "panel" in globals():  # which a student leaves open
+    panel.close()
 for thread in threading.enumerate():
     if thread.name.startswith("robsim"):
         thread.join(300)
