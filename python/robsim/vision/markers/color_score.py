@@ -154,8 +154,8 @@ def score_color(
 
     The colour counts as detected under two conditions. Each region contains the centroid of a blob
     of a third to three times its area; no other blob has such an area. The image is made darker and
-    brighter. It gets a shadow whose edge runs through the first region. It gets camera noise, in the
-    light and in the shadow.
+    brighter. It gets a shadow whose edge runs through the first region. It gets camera noise, in
+    the light and in the shadow.
 
     Parameters
     ----------
