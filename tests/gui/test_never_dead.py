@@ -155,6 +155,45 @@ def test_a_file_that_is_mended_ends_it_and_the_run_goes_on(folder, clock):
     assert view.close(SOON)
 
 
+def test_a_call_of_another_area_is_told_and_ended(clock):
+    control = Hanging(loops)
+    view = PanelView(simulation(control=control), speed=math.inf)
+    here = Watcher(view)
+    here.say("set_option", name="area", value=[320, 240])
+    wait_for(lambda: view.runner.scenario.area == (320, 240))
+    here.say("press", button="start")
+    assert control.is_there.wait(SOON)
+    stuck(here, clock, 3, how="runs", slot="control")
+    here.say("press", button="end")
+    wait_for(lambda: view.driver.state == "failed")
+    assert view.close(SOON)
+
+
+def test_the_button_ends_no_later_call_than_the_one_that_was_told(clock):
+    there, may_go_on = ([threading.Event() for _ in range(2)] for _ in range(2))
+
+    def control(step):
+        if step.k < 2:
+            there[step.k].set()
+            loops(may_go_on[step.k])
+        return 0.1, 0.1
+
+    view = PanelView(simulation(control=control), speed=math.inf)
+    here = Watcher(view)
+    here.say("press", button="start")
+    assert there[0].wait(SOON)
+    stuck(here, clock, 3, how="runs")
+    view.stuck.look = lambda now: now + 1  # it has not looked again
+    may_go_on[0].set()
+    assert there[1].wait(SOON)
+    here.say("press", button="end")
+    time.sleep(0.2)  # the watchdog looks every 0.05 s
+    may_go_on[1].set()
+    wait_for(lambda: view.runner.n_steps > 3)
+    assert view.driver.error is None
+    assert view.close(SOON)
+
+
 def test_the_limit_goes_with_the_panel():
     sim = simulation()
     with panel_of(sim):

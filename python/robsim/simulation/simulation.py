@@ -353,7 +353,7 @@ class Simulation(WorldSlots, Runner):
         renewed = vars(Simulation(scenario, time_limit=limit, **slots))
         renewed["_given"] |= {slot: self._given[slot] for slot in slots}
         times = self._call_times
-        stays = ("_folder", "_from_folder", "_call_times", "_n_resets")
+        stays = ("_folder", "_from_folder", "_call_times", "_n_resets", "_time_limit")
         vars(self).update({name: renewed[name] for name in renewed.keys() - {*stays}})
         self._n_resets += 1  # now that the steps are gone
         self._time_calls(times)

@@ -72,10 +72,11 @@ class TimeLimit:
             frame = frame.f_back
         return False
 
-    def end(self, why: str) -> None:
-        """End the call that is under way, if it is still the same when it is looked at."""
+    def end(self, why: str, call: tuple[str, float] | None) -> None:
+        """End a call if it still is the one under way."""
         with self._lock:
-            if self._deadline < math.inf and self.interrupted is None:
+            is_it = call is not None and self.call is call
+            if is_it and self._deadline < math.inf and self.interrupted is None:
                 self._why, self._deadline = why, -math.inf
 
     def limited(self, callback: Callable[..., Any], name: str = "") -> Callable[..., Any]:

@@ -113,7 +113,7 @@ class PanelView(View):
         """End the run and the panel; what is shown stays as it is. False if a callback hangs."""
         has_ended = self.driver.close(timeout)
         if not has_ended and self.driver.limit is not None:
-            self.driver.limit.end("the panel was closed")
+            self.driver.limit.end("the panel was closed", self.driver.limit.call)
             has_ended = self.driver.close(min(timeout, _PATIENCE))
         has_ended = super().close(timeout) and has_ended
         for part in self._parts:

@@ -27,6 +27,7 @@ class Stuck(Part):
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self.told: dict[str, Any] | None = None
+        self._call: tuple[str, float] | None = None  # of `told`
 
     def state(self) -> dict[str, Any]:
         return {"stuck": self.told}
@@ -39,7 +40,7 @@ class Stuck(Part):
                 self.told = None
                 self.panel.tell_state()
             return now + _GAP if driver.is_busy else math.inf
-        told = self._described(driver.limit, call, now)
+        self._call, told = call, self._described(driver.limit, call, now)
         if told["how"] == "runs":
             self._end_if_wanted(now)
         if told != self.told:
@@ -51,7 +52,7 @@ class Stuck(Part):
         """End the call under way, if it is one that takes long."""
         limit = self.panel.driver.limit
         if limit is not None and self.told is not None:
-            limit.end(f"{why}, after {self.told['seconds']} s")
+            limit.end(f"{why}, after {self.told['seconds']} s", self._call)
 
     def hopeless(self, *, is_call: bool) -> str | None:
         """Why a command, which `is_call` or waits for it, would never end; any thread may ask.
