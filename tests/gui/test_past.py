@@ -12,6 +12,7 @@ import robsim
 import sessions
 from browsers import panel_of, settled
 from robsim.gui.panels.analysis.past import KeptPictures
+from robsim.gui.panels.run.camera import particles_of
 
 
 @pytest.fixture(scope="module")
@@ -236,3 +237,13 @@ def test_particles_are_shown_by_their_weights():
         spread = np.std(head["particles"], axis=0)
         assert np.abs(np.mean(head["particles"], axis=0) - head["estimate"]["pose"][:2]).max() < 2
         assert (spread < 20).all()
+
+
+@pytest.mark.parametrize("particles", [np.empty((0, 3)), np.full((4, 2), "left"), None])
+def test_what_an_estimator_calls_particles_may_be_anything(particles):
+    class Odd:
+        @property
+        def particles(self):
+            return particles if particles is not None else self.later["on"]
+
+    assert particles_of(Odd()) is None

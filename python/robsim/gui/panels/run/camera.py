@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -88,11 +89,18 @@ def particles_of(estimator: Any) -> list[list[float]] | None:
 
     Each stands for as much weight, if there are `weights`.
     """
-    owner = getattr(estimator, "__self__", estimator)
+    with suppress(Exception):  # of a property of the user
+        return _particles_of(getattr(estimator, "__self__", estimator))
+    return None
+
+
+def _particles_of(owner: Any) -> list[list[float]] | None:
     particles, weights = (getattr(owner, name, None) for name in ("particles", "weights"))
     if not isinstance(particles, np.ndarray) or particles.ndim != 2 or particles.shape[1] < 2:
         return None
     n, most = len(particles), min(len(particles), _MOST_PARTICLES)
+    if not n:
+        return None
     if not isinstance(weights, np.ndarray) or weights.shape != (n,):
         weights = np.full(n, 1 / n)
     parts = (np.arange(most) + 0.5) / most
