@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 
 import pytest
@@ -419,6 +420,32 @@ def test_the_last_lines_that_callbacks_print_are_told(watch, capsys):
     assert "0 299\nno end" in capsys.readouterr().out
     watcher.press("reset")
     wait_for(lambda: not watcher.newest("printed")["lines"])
+
+
+def test_a_program_without_a_terminal_may_print(watch, monkeypatch):
+    monkeypatch.setattr(sys, "stdout", None)
+    watcher = watch(small(control=lambda step: print("hi") or (0, 0)))
+    watcher.press("step")
+    wait_for(lambda: watcher.view.runner.n_steps)
+    assert watcher.view.driver.error is None
+
+
+def test_the_terminal_is_given_back_though_a_callback_does_not_end(watch):
+    there, may_end = threading.Event(), threading.Event()
+
+    def waits(step):
+        there.set()
+        may_end.wait(300)
+        return 0.0, 0.0
+
+    before = sys.stdout
+    watcher = watch(small(control=waits))
+    watcher.say("press", button="step")
+    assert there.wait(300)
+    assert sys.stdout is not before
+    assert not watcher.view.close(0.1)
+    assert sys.stdout is before
+    may_end.set()
 
 
 @pytest.mark.slow

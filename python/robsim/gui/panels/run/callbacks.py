@@ -72,8 +72,8 @@ class Callbacks(Part):
         link.send(self._printed())
 
     def close(self, timeout: float) -> None:
-        if (check := self._check) is not None:
-            check.kill()
+        self._times.end()
+        self._end_check()
 
     def take(self, step: Step) -> None:
         doubts = self._runner._doubts
@@ -89,6 +89,7 @@ class Callbacks(Part):
         if self.panel.driver.state == "closed":
             self._runner._time_calls(None)
             self._times.end()
+            self._end_check()  # which the view waits for
         if self._n_resets != self.panel.record.n_resets:
             self._n_resets = self.panel.record.n_resets
             self._times.clear()
@@ -243,18 +244,25 @@ class Callbacks(Part):
         if self._beside.is_busy:
             raise Refused("the previous check has not ended yet")
         command = [sys.executable, "-m", "robsim", "check", str(folder._absolute)]
-        self._check = check = subprocess.Popen(
-            [*command, "--slot", slot, "--json"],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-        )
+        try:
+            self._check = check = subprocess.Popen(
+                [*command, "--slot", slot, "--json"],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+            )
+        except OSError as error:
+            raise Refused(f"the check could not be started: {error}") from None
 
         def tell(remarks: dict[str, Any] | None) -> None:
             self._check = None
             link.send({"type": "remarks", "slot": slot, **(remarks or {"said": "", "lines": []})})
 
         self._beside.begin(lambda: _remarks_of(check, f"{slot}.py"), tell)
+
+    def _end_check(self) -> None:
+        if (check := self._check) is not None:
+            check.kill()
 
     def _edit(self, link: Link, message: dict[str, Any]) -> None:
         slot = self._known(message)
@@ -294,7 +302,8 @@ def _remarks_of(check: subprocess.Popen[bytes], file: str) -> dict[str, Any]:
         told = json.loads(printed[printed.rfind(b"\n{\n") + 1 :])  # behind prints of the callback
     except subprocess.TimeoutExpired:
         check.kill()
-        check.communicate()
+        with suppress(subprocess.TimeoutExpired):  # a child of it may hold the pipe
+            check.communicate(timeout=_GAP)
         return {"said": [f"the check was ended after {_PATIENCE:g} s"], "lines": []}
     except ValueError:
         return {"said": ["the check has ended without a result"], "lines": []}

@@ -13,6 +13,7 @@ from robsim.simulation.callbacks.signatures import CallTimes
 
 _MOST_LINES = 100
 _LONGEST = 200  # characters of a line
+_replacing = threading.Lock()
 _here = threading.local()  # `heard` takes the text of the running callback
 
 
@@ -39,6 +40,7 @@ class HeardCalls(CallTimes):
         self.lines: deque[tuple[str, str]] = deque(maxlen=_MOST_LINES)  # slot, text
         self.n_heard = 0  # lines ever
         self._open: dict[str, str] = {}  # by slot: a line without its end
+        self._has_ended = False
 
     def timed(self, slot: str, callback: Callable[..., Any]) -> Callable[..., Any]:
         """Return a callback whose calls are timed, and whose prints are heard."""
@@ -46,8 +48,9 @@ class HeardCalls(CallTimes):
 
         @functools.wraps(callback, updated=())
         def call(*arguments: Any) -> Any:
-            if type(sys.stdout) is not _Tee:  # others may replace it, too
-                sys.stdout = _Tee(sys.stdout)
+            with _replacing:  # others may replace it, too; None in pythonw
+                if not (self._has_ended or sys.stdout is None or type(sys.stdout) is _Tee):
+                    sys.stdout = _Tee(sys.stdout)
             before, _here.heard = getattr(_here, "heard", None), hear
             try:
                 return callback(*arguments)
@@ -63,8 +66,10 @@ class HeardCalls(CallTimes):
 
     def end(self) -> None:
         """Give the program its own stream back."""
-        if isinstance(tee := sys.stdout, _Tee):
-            sys.stdout = tee.stream
+        with _replacing:
+            self._has_ended = True
+            if isinstance(tee := sys.stdout, _Tee):
+                sys.stdout = tee.stream
 
     def _hear(self, slot: str, text: str) -> None:
         most = _MOST_LINES * _LONGEST
