@@ -96,6 +96,15 @@ def test_it_is_told_after_2_s_with_its_line_and_ended_when_asked(hang, clock):
     wait_for(lambda: view.driver.state == "paused" and view.runner.n_steps == 0)
 
 
+def test_a_message_of_a_program_ends_it_too(hang, clock):
+    view, here, _ = hang(loops)
+    stuck(here, clock, 3, how="runs")
+    panel = object.__new__(robsim.gui.Panel)
+    panel._view = view
+    assert panel.message("press", button="end") == []
+    wait_for(lambda: view.driver.state == "failed")
+
+
 def test_it_ends_by_itself_after_30_s_or_at_the_limit_of_the_run(hang, clock):
     for options, limit in (({}, 30.0), ({"time_limit": 5.0}, 5.0)):
         view, here, _ = hang(loops, **options)

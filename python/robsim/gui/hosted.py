@@ -9,6 +9,7 @@ import threading
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from robsim.base.closing import Closing
@@ -194,9 +195,11 @@ def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[st
 
     check_choice("kind", kind, tuple(view.messages))
     line = _Answers()
-    view.settle()  # a tool has its first picture, if there is one
+    ends_call = kind == "press" and fields.get("button") in ("end", "stop")
+    settle = partial(View.settle, view) if ends_call else view.settle  # waits for no callback
+    settle()  # a tool has its first picture, if there is one
     view.receive(line, {"type": kind, "id": "caller", **_as_sent(fields)})
-    view.settle()
+    settle()
     for head in line.heads:
         if head["type"] == "note" and head["level"] == "error":
             raise ValueError(head["text"])
