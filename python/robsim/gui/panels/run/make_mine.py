@@ -6,6 +6,7 @@ import itertools
 import re
 from pathlib import Path
 
+from robsim.base.files import write_whole
 from robsim.simulation import Experiment, Simulation
 from robsim.simulation.callback_folder import CallbackFolder
 from robsim.simulation.slots import AT_START, SLOTS
@@ -31,10 +32,15 @@ def make_mine(runner: Simulation | Experiment, slot: str) -> Path:
     text = source.read_text("utf-8")
     file.parent.mkdir(parents=True, exist_ok=True)
     if source != file or _OFF.search(text):
-        file.write_text(_OFF.sub("ENABLED = True", text), "utf-8")
+        write_whole(file, _OFF.sub("ENABLED = True", text).encode())
+    before = runner._folder, runner._given[slot]
     runner._folder, runner._given[slot] = folder, None
     if not (slot in AT_START and runner._core.has_started):
-        runner._use(folder.load_saved())
+        try:
+            runner._use(folder.load_saved())
+        except BaseException:
+            runner._folder, runner._given[slot] = before
+            raise
     return file
 
 
