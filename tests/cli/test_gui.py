@@ -13,6 +13,8 @@ import pytest
 import robsim
 from commands import command, interruptible
 from page_client import greeted
+from robsim.gui import hosted
+from robsim.gui.start.host import Start
 from robsim.vision import save_image, save_video
 
 pytestmark = pytest.mark.long
@@ -98,6 +100,19 @@ def test_the_run_is_kept_and_estimated_when_its_last_page_is_closed(seen, user_f
     run = command("gui", str(kept))
     assert seen.view.record.n_steps == 60
     assert ".npz" not in run.stdout  # a saved run is not kept again
+
+
+def test_the_run_of_a_card_is_kept_too(seen, user_folder, monkeypatch):
+    def wait(page, patience):
+        start = next(one for one in hosted.opened if isinstance(one, Start))
+        start._open_card("drive")
+        start.panel.pause()
+        start.panel.step()
+
+    monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", wait)
+    told = command("gui").stdout
+    (kept,) = (user_folder / "runs").glob("*.npz")
+    assert f"robsim gui {kept}" in told
 
 
 def test_the_options_of_a_run(seen, tmp_path):

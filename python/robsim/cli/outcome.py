@@ -135,17 +135,18 @@ def keep_run(opened: Panel) -> None:
     if opened._is_saved or not len(trace):
         return
     folder = data_folder() / "runs"
-    file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S}.npz"
+    file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S}-{os.getpid()}.npz"
+    errors.say(f"saving {len(trace)} steps")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         trace.save(file)
         for old in sorted(folder.glob("*.npz"))[:-_MOST_RUNS]:
-            old.unlink()
-    except OSError as error:
+            old.unlink(missing_ok=True)
+    except (OSError, MemoryError) as error:
         errors.print_note(f"the run could not be saved: {error}")
     else:
         errors.say(f"its {len(trace)} steps are in {file}; to see them again: robsim gui {file}")
     try:
         errors.say(str(opened.finish()))
-    except ValueError as error:  # too few steps
+    except (ValueError, TimeoutError) as error:  # too few steps, or a callback does not end
         errors.say(f"no estimate: {error}")

@@ -6,7 +6,7 @@ Few modules are loaded before the page is shown: the rest is while it is looked 
 from __future__ import annotations
 
 from robsim.cli import errors
-from robsim.cli.outcome import show_panel
+from robsim.cli.outcome import keep_run, show_panel
 
 
 def gui(port: int = 0, no_browser: bool = False) -> None:
@@ -23,3 +23,5 @@ def gui(port: int = 0, no_browser: bool = False) -> None:
 
     with errors.report_errors(None), Start() as opened:
         show_panel(opened, port, is_wanted=not no_browser)
+        if opened.panel is not None:
+            keep_run(opened.panel)
