@@ -59,6 +59,19 @@ def test_a_saved_run_drives_along_until_it_is_removed(driven, tmp_path):
     assert browser.upload(packed, "mine.npz", key="4")["state"] == "refused"
 
 
+def test_a_run_in_another_area_drives_along_nowhere(driven, tmp_path):
+    view, browser = driven
+    robsim.Simulation(area=(400, 300)).run(3).save(tmp_path / "small.npz")
+    packed = (tmp_path / "small.npz").read_bytes()
+    assert browser.upload(packed, "small.npz")["state"] == "refused"
+    browser.say("keep")
+    assert len(ghosts_of(browser)) == 1
+    browser.say("set_option", name="area", value=[400, 300])
+    browser.press("reset")
+    assert ghosts_of(browser) == {}
+    assert browser.upload(packed, "small.npz", key="2")["state"] == "taken"
+
+
 def test_no_more_than_three_are_kept_and_none_of_no_steps(driven):
     _, browser = driven
     for _ in range(4):

@@ -32,6 +32,7 @@ class Ghost:
 
     name: str
     rows: Floats  # (N, 6): px, px, rad, twice
+    world: tuple[tuple[int, int], float]  # area (px), sample time (s)
 
     @staticmethod
     def of(name: str, trace: Trace) -> Ghost:
@@ -44,7 +45,7 @@ class Ghost:
         true, measured, estimated = part.pose_true, part.pose_measured, part.pose_estimated
         found = estimated if np.isfinite(estimated).any() else measured
         poses = np.where(np.isfinite(true), true, found)
-        return Ghost(name, np.hstack([poses, wrapped_error(found, true)]))
+        return Ghost(name, np.hstack([poses, wrapped_error(found, true)]), _world_of(trace))
 
 
 class Ghosts(Part):
@@ -70,6 +71,13 @@ class Ghosts(Part):
         if self._ghosts:
             head, *buffers = self._told()
             link.send(head, buffers)
+
+    def changed(self) -> None:
+        record = self.panel.record
+        kept = [ghost for ghost in self._ghosts if ghost.world == _world_of(record.trace)]
+        if len(kept) < len(self._ghosts):
+            self._ghosts = kept
+            self.panel.send(*self._told())
 
     def look(self, now: float) -> float:
         self._uploads.drop(lambda one: one.link not in self.panel.links)
@@ -118,6 +126,12 @@ class Ghosts(Part):
 
         def take() -> None:
             self._check_room()
+            if ghost.world != (own := _world_of(self.panel.record.trace)):
+                (area, dt), (own_area, own_dt) = ghost.world, own
+                raise Refused(
+                    f"{name} has the area {area} px and dt = {dt:g} s; "
+                    f"this run has {own_area} px and {own_dt:g} s"
+                )
             self._add(ghost)
 
         return take
@@ -128,7 +142,7 @@ class Ghosts(Part):
 
     def _add(self, ghost: Ghost | None) -> None:
         """Add one instead of one of its name; of too many the oldest one goes."""
-        if ghost is None:
+        if ghost is None or ghost.world != _world_of(self.panel.record.trace):
             return
         others = [other for other in self._ghosts if other.name != ghost.name]
         self._ghosts = [*others, ghost][-_MOST:]
@@ -137,6 +151,10 @@ class Ghosts(Part):
     def _told(self) -> tuple[dict[str, Any], *tuple[bytes, ...]]:
         message = {"type": "ghosts", "names": [ghost.name for ghost in self._ghosts]}
         return message, *(ghost.rows.astype("<f4").tobytes() for ghost in self._ghosts)
+
+
+def _world_of(trace: Trace) -> tuple[tuple[int, int], float]:
+    return trace.info.area, trace.info.dt
 
 
 def controller_to(goals: Floats) -> GoToPoint | FollowPath:
