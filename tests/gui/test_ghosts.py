@@ -60,7 +60,7 @@ def test_a_saved_run_drives_along_until_it_is_removed(driven, tmp_path):
 
 
 def test_a_run_in_another_area_drives_along_nowhere(driven, tmp_path):
-    view, browser = driven
+    _, browser = driven
     robsim.Simulation(area=(400, 300)).run(3).save(tmp_path / "small.npz")
     packed = (tmp_path / "small.npz").read_bytes()
     assert browser.upload(packed, "small.npz")["state"] == "refused"
