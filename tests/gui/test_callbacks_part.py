@@ -422,11 +422,25 @@ def test_the_last_lines_that_callbacks_print_are_told(watch, capsys):
     wait_for(lambda: not watcher.newest("printed")["lines"])
 
 
+def test_a_file_that_does_not_load_leaves_the_callback(watch, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "control.py").write_text("ENABLED = False\nassert not ENABLED\n")
+    runner = robsim.Simulation.from_folder(
+        tmp_path, slots="control", resolution=SIZE, control=control
+    )
+    watcher = watch(runner)
+    watcher.say("make_mine", slot="control")
+    watcher.settle()
+    watcher.settle()
+    assert [note["level"] for note in watcher.of("note")] == ["error"]
+    assert runner._given["control"] is control
+
+
 def test_a_program_without_a_terminal_may_print(watch, monkeypatch):
     monkeypatch.setattr(sys, "stdout", None)
     watcher = watch(small(control=lambda step: print("hi") or (0, 0)))
     watcher.press("step")
-    wait_for(lambda: watcher.view.runner.n_steps)
+    wait_for(lambda: watcher.view.runner.n_steps or watcher.view.driver.error)
     assert watcher.view.driver.error is None
 
 
