@@ -83,6 +83,26 @@ def test_the_callbacks_of_a_folder_go_with_it_and_run_when_trusted(folder, tmp_p
 
 
 @pytest.mark.slow
+def test_a_file_that_changes_as_fast_as_it_goes_changes_at_the_same_step(folder, tmp_path):
+    control = "def control(step):\n    return {0}, {0}\n"
+    (folder / "control.py").write_text(control.format(0.1))
+    with robsim.panel(
+        robsim.Simulation.from_folder(folder, area=(300, 300), seed=3), speed=float("inf")
+    ) as panel:
+        panel.start()
+        wait_for(lambda: panel._view.driver._chunk > 9)
+        (folder / "control.py").write_text(control.format(0.25))
+        wait_for(lambda: len(panel.trace) and panel.trace.u[-1, 0] == 0.25)
+        panel.pause()
+        file = tmp_path / "run.replay"
+        head, _, content = shared(panel)
+        assert head["lacks"] == ""
+        file.write_bytes(content)
+        with robsim.gui.replay(file, trust=True) as again:
+            check_equal(columns(panel), columns(again))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["cell", "option", "camera"])
 def test_what_cannot_be_run_again_is_a_recording(how, tmp_path):
     simulation = robsim.Simulation(**SMALL)

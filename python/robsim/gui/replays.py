@@ -89,6 +89,7 @@ def _run_again(view: PanelView, file: ReplayFile) -> None:
             runner.run(1)
             view.share.take(runner.last_step)  # notes files that were changed before that step
             runner.run(k - runner.n_steps)
+            view.share.take(runner.last_step)
         while runner.stage != stage and runner.n_steps == k:
             runner.step_stage()
 

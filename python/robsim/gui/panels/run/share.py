@@ -33,6 +33,7 @@ class Share(Part):
         self._making = panel.beside("robsim share")
         self._changes: list[tuple[int, int, str, dict[str, Any]]] = []  # resets, step, stage, what
         self._unknown: set[str] = set()  # changes by other code than the panel
+        self._taken = 0, 0  # resets, steps at the last look at the files
         if isinstance(runner := panel.runner, Simulation):
             self._unknown |= {*runner._changed}
             self._start, self._known = runner.scenario, (runner._scenario, runner._seed)
@@ -58,10 +59,13 @@ class Share(Part):
         return result
 
     def take(self, step: Step) -> None:
-        runner = self.panel.runner
+        runner, n_resets = self.panel.runner, self.panel.record.n_resets
+        # A chunk of steps loads files before its first step.
+        k = min(step.k, self._taken[1]) if n_resets == self._taken[0] else 0
+        self._taken = n_resets, runner.n_steps
         if isinstance(runner, Simulation) and (files := _files(runner)) is not self._files:
             self._files = files
-            self._add(step.k, "world", _texts(files))
+            self._add(k, "world", _texts(files))
 
     def _add(self, k: int, stage: str, what: dict[str, Any]) -> None:
         if len(self._changes) < _MOST_CHANGES:
