@@ -103,10 +103,29 @@ def test_a_file_that_changes_as_fast_as_it_goes_changes_at_the_same_step(folder,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", ["cell", "option", "camera"])
-def test_what_cannot_be_run_again_is_a_recording(how, tmp_path):
+def test_a_file_that_comes_during_the_run_goes_with_it(folder, tmp_path):
+    (folder / "measure.py").unlink()
+    with robsim.panel(robsim.Simulation.from_folder(folder, **SMALL)) as panel:
+        steps(panel, 2)
+        (folder / "measure.py").write_text("def measure(step):\n    return None\n")
+        steps(panel, 2)
+        file = tmp_path / "run.replay"
+        head, _, content = shared(panel)
+        assert head["lacks"] == ""
+        file.write_bytes(content)
+        with robsim.gui.replay(file, trust=True) as again:
+            assert (
+                again.trace.seen.tolist() == panel.trace.seen.tolist() == [True] * 2 + [False] * 2
+            )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["cell", "option", "camera", "mine", "replaced"])
+def test_what_cannot_be_run_again_is_a_recording(how, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("robsim.gui.panels.run.callbacks.open_in_editor", lambda *_: None)
     simulation = robsim.Simulation(**SMALL)
-    if how == "cell":
+    if how in ("cell", "replaced"):
         simulation.control = lambda step: (0.1, 0.2)
     what = simulation
     if how == "camera":
@@ -115,6 +134,10 @@ def test_what_cannot_be_run_again_is_a_recording(how, tmp_path):
         steps(panel, 2)
         if how == "option":
             simulation.noise = robsim.GaussianNoise(5)
+        if how == "mine":
+            panel.message("make_mine", slot="estimate_state")
+        if how == "replaced":
+            panel.message("set", name="control", value="spin")
         steps(panel, 1)
         head, _, file = shared(panel)
         (tmp_path / "run.npz").write_bytes(file)

@@ -36,9 +36,11 @@ class Share(Part):
         self._taken = 0, 0  # resets, steps at the last look at the files
         if isinstance(runner := panel.runner, Simulation):
             self._unknown |= {*runner._changed}
-            self._start, self._known = runner.scenario, (runner._scenario, runner._seed)
+            self._start, self._known = runner.scenario, _told(runner)
             self._files = self._first_files = _files(runner)
-            self._slots = [slot for slot in runner._from_folder if _is_open(runner, slot)]
+            may_fill = runner._folder._slots if runner._folder is not None else ()
+            self._slots = [slot for slot in may_fill if runner._given[slot] in (None, True)]
+            self._compare(runner)
 
     def handlers(self) -> Handlers:
         return {"share": self._share}
@@ -54,7 +56,7 @@ class Share(Part):
         self._compare(runner)
         k, stage = runner.n_steps, runner.stage
         result = change()
-        self._known = runner._scenario, runner._seed
+        self._known = _told(runner)
         self._add(k, stage, {name: message[name] for name in message if name != "id"})
         return result
 
@@ -75,8 +77,17 @@ class Share(Part):
 
     def _compare(self, runner: Simulation) -> None:
         """Note changes since the last one of the panel."""
-        if (runner._scenario, runner._seed) != self._known:
-            self._unknown.add("options set in Python or by a tool")
+        owners = owners_of(runner)
+        mine = [slot for slot in runner.SLOTS if owners.of(slot) == "mine"]
+        code = [slot for slot in mine if not _is_open(runner, slot)]
+        self._unknown |= {f"{slot} from a cell or a script" for slot in code}
+        options, folder, given = _told(runner)
+        if options != self._known[0]:
+            self._unknown.add("options set in Python, by a tool or in the tab Scenario")
+        others = [slot for slot in mine if given[slot] is not self._known[2][slot]]
+        if folder is not self._known[1]:
+            others = mine
+        self._unknown |= {f"{slot}.py, made during the run" for slot in {*others} - {*code}}
 
     def _replay(self) -> tuple[str, bytes, str]:
         """Return name, content and lacks of the file; in the thread of the run."""
@@ -84,11 +95,7 @@ class Share(Part):
         lacks = ["frames of a camera"]
         if isinstance(runner, Simulation):
             self._compare(runner)
-            owners = owners_of(runner)
-            mine = {slot for slot in runner.SLOTS if owners.of(slot) == "mine"}
-            code = {slot for slot in mine if not _is_open(runner, slot)}
-            lacks = [f"{slot} from a cell or a script" for slot in sorted(code)]
-            lacks += sorted(self._unknown)
+            lacks = sorted(self._unknown)
         if lacks:
             with TemporaryDirectory() as folder:
                 file = Path(folder, "run.npz")
@@ -168,6 +175,11 @@ def _reduced(pixels: Pixels) -> Pixels:
     height, width = pixels.shape[:2]
     scale = min(1.0, _WIDTH / max(height, width))
     return resized(pixels, round(width * scale / 2) * 2, round(height * scale / 2) * 2)
+
+
+def _told(runner: Simulation) -> tuple[Any, Any, dict[str, Any]]:
+    """Return options, folder and what overrides its files: only messages change them unasked."""
+    return (runner._scenario, runner._seed), runner._folder, {**runner._given}
 
 
 def _is_open(runner: Simulation, slot: str) -> bool:
