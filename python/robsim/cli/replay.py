@@ -25,18 +25,18 @@ def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = Fa
     Example: robsim replay run.replay
     """
     from robsim.gui.panels.replay_file import ReplayFile
-    from robsim.gui.replays import replay as run_again
+    from robsim.gui.replays import run_again
 
     with errors.report_errors(file):
-        code = ReplayFile.load(file).code
-        if code and not trust:
+        read = ReplayFile.load(file)
+        if read.code and not trust:
             errors.say("it carries Python code, which would run with your rights:")
-            for name, lines in code.items():
+            for name, lines in read.code.items():
                 errors.say(f"  {name}, {lines} lines")
             with suppress(typer.Abort):  # no answer comes
                 trust = typer.confirm("Run it?")
             if not trust:
                 raise typer.Exit(1)
-        with run_again(file, trust=True) as panel:
+        with run_again(read) as panel:
             errors.say(f"run again: {len(panel.trace)} steps")
             show_panel(panel, port, is_wanted=not no_browser)

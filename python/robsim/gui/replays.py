@@ -59,6 +59,11 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
             f"{one_line(path)} carries Python code, which would run with your rights: {named}; "
             "read it, then give trust=True, in the shell --trust"
         )
+    return run_again(file)
+
+
+def run_again(file: ReplayFile) -> Panel:
+    """Run a file that was read, with its code; see `replay`."""
     panel = Panel(_begun(file), float("inf"))
     _run_again(panel._view, file)
     if digest_of(panel._view.record.columns()) != file.digest:
