@@ -164,3 +164,32 @@ def test_a_damaged_file_is_refused(tmp_path):
             ReplayFile.load(file)
     file.write_text(good.to_text())
     assert ReplayFile.load(file) == good
+
+
+def test_a_question_shows_the_longest_version_of_a_file(tmp_path):
+    change = [2, "world", {"control": "1\n", "helper": "1\n2\n"}]
+    file = ReplayFile("format = 1\n", ["control"], {"control": 500 * "1\n"}, [change], 3, "")
+    (tmp_path / "run.replay").write_text(file.to_text())
+    refused = command("replay", str(tmp_path / "run.replay"))
+    assert "control.py, 500 lines" in refused.stdout
+    assert "helper.py, 2 lines" in refused.stdout
+
+
+def test_what_runs_is_what_was_asked_about(tmp_path, monkeypatch):
+    files = [ReplayFile("format = 1\n", ["control"], {"control": c}, [], 1, "") for c in "12"]
+    path = tmp_path / "run.replay"
+    path.write_text(files[0].to_text())
+    ran = []
+
+    def confirmed(_):
+        path.write_text(files[1].to_text())  # swapped
+        return True
+
+    def begun(file, *_):
+        ran.append(file.files["control"])
+        raise ValueError("enough")
+
+    monkeypatch.setattr("typer.confirm", confirmed)
+    monkeypatch.setattr("robsim.gui.replays._begun", begun)
+    command("replay", str(path))
+    assert ran == ["1"]

@@ -77,10 +77,12 @@ class ReplayFile:
 
     @property
     def code(self) -> dict[str, int]:
-        """The lines of each Python file that would run, by name."""
+        """The lines of each Python file that would run, by name, in its longest version."""
         files = [self.files, *(told for *_, told in self.changes if "type" not in told)]
-        texts = {name: text for one in files for name, text in one.items()}
-        return {f"{name}.py": len(text.splitlines()) for name, text in texts.items()}
+        lines: dict[str, int] = {}
+        for name, text in (item for one in files for item in one.items()):
+            lines[f"{name}.py"] = max(lines.get(f"{name}.py", 0), len(text.splitlines()))
+        return lines
 
 
 def digest_of(columns: Mapping[str, Floats]) -> str:
