@@ -120,7 +120,7 @@ def test_a_file_that_comes_during_the_run_goes_with_it(folder, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", ["cell", "option", "camera", "mine", "replaced"])
+@pytest.mark.parametrize("how", ["cell", "option", "camera", "mine", "replaced", "long"])
 def test_what_cannot_be_run_again_is_a_recording(how, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("robsim.gui.panels.run.callbacks.open_in_editor", lambda *_: None)
@@ -134,6 +134,8 @@ def test_what_cannot_be_run_again_is_a_recording(how, tmp_path, monkeypatch):
         steps(panel, 2)
         if how == "option":
             simulation.noise = robsim.GaussianNoise(5)
+        if how == "long":
+            monkeypatch.setattr("robsim.gui.panels.replay_file._MOST_STEPS", 2)
         if how == "mine":
             panel.message("make_mine", slot="estimate_state")
         if how == "replaced":
@@ -162,6 +164,9 @@ def test_a_damaged_file_is_refused(tmp_path):
         file.write_text(text)
         with pytest.raises(ValueError, match=r"run\.replay"):
             ReplayFile.load(file)
+    file.write_text(json.dumps(told | {"steps": 10**9}))
+    with pytest.raises(ValueError, match="more than 1000000 steps"):
+        ReplayFile.load(file)
     file.write_text(good.to_text())
     assert ReplayFile.load(file) == good
 

@@ -44,21 +44,30 @@ class ReplayFile:
         """Read a file; nothing in it runs. ValueError: it is damaged."""
         file = as_path(path)
         try:
-            told = parse_json(read_text(file, _MOST_BYTES))
-            kinds = {**_KINDS, "steps": int, "digest": str}
-            if not isinstance(told, dict) or told.get("format") != FORMAT:
-                raise ValueError("it is no replay file of this version")
-            if told.keys() != kinds.keys() or any(type(told[n]) is not k for n, k in kinds.items()):
-                raise ValueError("it lacks a part")
-            found = cls(**told)
-            found._check()
+            return cls.of_text(read_text(file, _MOST_BYTES))
         except ValueError as error:
             raise ValueError(f"{one_line(file)}: {error}") from None
+
+    @classmethod
+    def of_text(cls, text: str) -> ReplayFile:
+        """Parse a text; a ValueError says why `load` refuses it."""
+        if len(text) > _MOST_BYTES:
+            raise ValueError(f"it has more than {_MOST_BYTES >> 20} MB")
+        told = parse_json(text)
+        kinds = {**_KINDS, "steps": int, "digest": str}
+        if not isinstance(told, dict) or told.get("format") != FORMAT:
+            raise ValueError("it is no replay file of this version")
+        if told.keys() != kinds.keys() or any(type(told[n]) is not k for n, k in kinds.items()):
+            raise ValueError("it lacks a part")
+        found = cls(**told)
+        found._check()
         return found
 
     def _check(self) -> None:
         ks = [self._checked_change(change)[0] for change in self.changes]
-        if not 0 <= self.steps <= _MOST_STEPS or ks != sorted(ks) or ks[-1:] > [self.steps]:
+        if self.steps > _MOST_STEPS:
+            raise ValueError(f"it has more than {_MOST_STEPS} steps")
+        if self.steps < 0 or ks != sorted(ks) or ks[-1:] > [self.steps]:
             raise ValueError("its steps are in no order")
         sources = [self.files, *(told for *_, told in self.changes if "type" not in told)]
         for name, text in (item for files in sources for item in files.items()):

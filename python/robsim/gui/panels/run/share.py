@@ -96,26 +96,35 @@ class Share(Part):
         if isinstance(runner, Simulation):
             self._compare(runner)
             lacks = sorted(self._unknown)
-        if lacks:
-            with TemporaryDirectory() as folder:
-                file = Path(folder, "run.npz")
-                record.trace.save(file)
-                return file.name, file.read_bytes(), ", ".join(lacks)
+        if not lacks:
+            text = self._text()
+            try:
+                ReplayFile.of_text(text)
+            except ValueError as error:
+                lacks = [f"a replay file: {error}"]
+            else:
+                return "run.replay", text.encode(), ""
+        with TemporaryDirectory() as folder:
+            file = Path(folder, "run.npz")
+            record.trace.save(file)
+            return file.name, file.read_bytes(), ", ".join(lacks)
+
+    def _text(self) -> str:
+        record = self.panel.record
         now = record.n_resets
         changes = [
             (k, stage, what) if resets == now else (0, "world", what)
             for resets, k, stage, what in self._changes
             if k < record.n_steps or resets != now
         ]
-        replay = ReplayFile(
+        return ReplayFile(
             scenario=self._start.to_toml(),
             slots=self._slots,
             files=_texts(self._first_files),
             changes=changes,
             steps=record.n_steps,
             digest=digest_of(record.columns()),
-        )
-        return "run.replay", replay.to_text().encode(), ""
+        ).to_text()
 
     def _share(self, link: Link, message: dict[str, Any]) -> None:
         if not self.setup()["can_share"]:
