@@ -1,5 +1,6 @@
 """Share: a clip, and a file from which a run is run again, to the bit."""
 
+import gc
 import json
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import robsim
 from browsers import FakeBrowser
 from commands import command
+from robsim.gui.hosted import opened
 from robsim.gui.panels.replay_file import ReplayFile
 from waiting import wait_for
 
@@ -169,6 +171,30 @@ def test_a_damaged_file_is_refused(tmp_path):
         ReplayFile.load(file)
     file.write_text(good.to_text())
     assert ReplayFile.load(file) == good
+
+
+def test_nothing_is_left_of_a_replay(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    good = "def control(step):\n    return 0.1, 0.2\n"
+    bad = "def control(step):\n    return 1 / 0\n"
+    path = tmp_path / "run.replay"
+    panels = [*opened]
+    for source in ("1 / 0", bad, good):
+        path.write_text(
+            ReplayFile("format = 1\n", ["control"], {"control": source}, [], 1, "").to_text()
+        )
+        if source != good:
+            with pytest.raises(ZeroDivisionError):
+                robsim.gui.replay(path, trust=True)
+        else:
+            with pytest.warns(UserWarning, match="differently"):
+                again = robsim.gui.replay(path, trust=True)
+            assert len([*tmp_path.glob("robsim-replay-*")]) == 1
+            again.close()
+            del again
+            gc.collect()
+        assert opened == panels
+        assert [*tmp_path.glob("robsim-replay-*")] == []
 
 
 def test_a_question_shows_the_longest_version_of_a_file(tmp_path):

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Mapping
+from contextlib import ExitStack
 from functools import partial
 from os import PathLike
 from pathlib import Path
+from shutil import rmtree
 from tempfile import mkdtemp
 
 from robsim.base.checks import check_bool
+from robsim.base.files import write_whole
 from robsim.base.text import one_line
 from robsim.base.warn import warn_user
 from robsim.gui.facade import Panel
@@ -32,7 +36,8 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
     Returns
     -------
     Panel
-        The panel; its run can go on.
+        The panel; its run can go on. The files of the callbacks are in a temporary folder, which
+        is removed with the panel.
 
     Raises
     ------
@@ -64,25 +69,29 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
 
 def run_again(file: ReplayFile) -> Panel:
     """Run a file that was read, with its code; see `replay`."""
-    panel = Panel(_begun(file), float("inf"))
-    _run_again(panel._view, file)
+    folder = Path(mkdtemp(prefix="robsim-replay-"))  # the panel shows and edits its files
+    with ExitStack() as undo:
+        undo.callback(rmtree, folder, ignore_errors=True)
+        panel = undo.enter_context(Panel(_begun(file, folder), float("inf")))
+        _run_again(panel._view, file)
+        undo.pop_all()
+    weakref.finalize(panel, rmtree, folder, ignore_errors=True)
     if digest_of(panel._view.record.columns()) != file.digest:
         warn_user("the run came out differently: see the notes of robsim.gui.replay")
     return panel
 
 
-def _begun(file: ReplayFile) -> Simulation:
+def _begun(file: ReplayFile, folder: Path) -> Simulation:
     scenario = Scenario.from_toml(file.scenario)
     if not file.files:
         return Simulation(scenario)
-    folder = Path(mkdtemp(prefix="robsim-replay-"))  # stays: the panel shows and edits its files
     _write(folder, file.files)
     return Simulation.from_folder(folder, slots=file.slots, scenario=scenario)
 
 
 def _write(folder: Path, files: Mapping[str, str]) -> None:
     for name, text in files.items():
-        (folder / f"{name}.py").write_bytes(text.encode())
+        write_whole(folder / f"{name}.py", text.encode())
 
 
 def _run_again(view: PanelView, file: ReplayFile) -> None:
