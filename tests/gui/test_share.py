@@ -173,6 +173,21 @@ def test_a_damaged_file_is_refused(tmp_path):
     assert ReplayFile.load(file) == good
 
 
+@pytest.mark.slow
+def test_a_run_that_is_too_large_for_a_page_goes_to_the_folder_of_the_user(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROBSIM_DATA", str(tmp_path))
+    monkeypatch.setattr("robsim.gui.panels.run.share._MOST_SENT", 100)
+    with robsim.panel(robsim.Simulation(**SMALL)) as panel:
+        steps(panel, 3)
+        browser = FakeBrowser(panel._view)
+        browser.say("share")
+        head, _ = browser.take("note")
+    (file,) = (tmp_path / "runs").iterdir()
+    assert str(file) in head["text"]
+    with robsim.gui.replay(file) as again:
+        assert len(again.trace) == 3
+
+
 def test_nothing_is_left_of_a_replay(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     good = "def control(step):\n    return 0.1, 0.2\n"

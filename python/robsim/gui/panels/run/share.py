@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from robsim._core import Frame, Step
+from robsim.base.files import write_whole
 from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.replay_file import ReplayFile, digest_of
@@ -16,6 +18,7 @@ from robsim.gui.panels.settings.owners import owners_of
 from robsim.simulation import Simulation
 from robsim.simulation.runner import Runner
 from robsim.vision.imaging.clip import Clip
+from robsim.vision.robots.lookup import data_folder
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 
 _SECONDS, _LEAST_RATE, _WIDTH = 10, 15.0, 600  # of the clip: s, 1/s, px
 _MOST_CHANGES = 10_000
+_MOST_SENT = 24 << 20  # bytes; a page that is more than 32 MB behind is cut off
 
 
 class Share(Part):
@@ -144,6 +148,16 @@ class Share(Part):
             link.refuse("The run could not be shared")
             return
         name, content, lacks, (clip, film) = made
+        if len(content) + len(film) > _MOST_SENT:
+            file = data_folder() / "runs" / f"{datetime.now():%Y-%m-%d-%H%M%S}{Path(name).suffix}"
+            try:
+                file.parent.mkdir(parents=True, exist_ok=True)
+                write_whole(file, content)
+            except OSError as error:
+                link.refuse(f"The run is too large for the page, and could not be saved: {error}")
+            else:
+                link.refuse(f"The run is too large for the page: it is in {file}")
+            return
         head = {"type": "shared", "name": name, "lacks": lacks, "clip": clip if film else ""}
         link.send(head, [film, content])
 
