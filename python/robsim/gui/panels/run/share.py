@@ -88,10 +88,9 @@ class Share(Part):
         options, folder, given = _told(runner)
         if options != self._known[0]:
             self._unknown.add("options set in Python, by a tool or in the tab Scenario")
-        others = [slot for slot in mine if given[slot] is not self._known[2][slot]]
-        if folder is not self._known[1]:
-            others = mine
-        self._unknown |= {f"{slot}.py, made during the run" for slot in {*others} - {*code}}
+        is_new = folder is not self._known[1]
+        made = {slot for slot in mine if is_new or given[slot] is not self._known[2][slot]}
+        self._unknown |= {f"{slot}.py, made during the run" for slot in made - {*code}}
 
     def _replay(self) -> tuple[str, bytes, str]:
         """Return name, content and lacks of the file; in the thread of the run."""
@@ -101,21 +100,18 @@ class Share(Part):
             self._compare(runner)
             lacks = sorted(self._unknown)
         if not lacks:
-            text = self._text()
             try:
-                ReplayFile.of_text(text)
+                text = ReplayFile.of_text(self._text()).to_text()
+                return "run.replay", text.encode(), ""
             except ValueError as error:
                 lacks = [f"a replay file: {error}"]
-            else:
-                return "run.replay", text.encode(), ""
         with TemporaryDirectory() as folder:
             file = Path(folder, "run.npz")
             record.trace.save(file)
             return file.name, file.read_bytes(), ", ".join(lacks)
 
     def _text(self) -> str:
-        record = self.panel.record
-        now = record.n_resets
+        now = (record := self.panel.record).n_resets
         changes = [
             (k, stage, what) if resets == now else (0, "world", what)
             for resets, k, stage, what in self._changes
@@ -148,18 +144,18 @@ class Share(Part):
             link.refuse("The run could not be shared")
             return
         name, content, lacks, (clip, film) = made
-        if len(content) + len(film) > _MOST_SENT:
-            file = data_folder() / "runs" / f"{datetime.now():%Y-%m-%d-%H%M%S}{Path(name).suffix}"
-            try:
-                file.parent.mkdir(parents=True, exist_ok=True)
-                write_whole(file, content)
-            except OSError as error:
-                link.refuse(f"The run is too large for the page, and could not be saved: {error}")
-            else:
-                link.refuse(f"The run is too large for the page: it is in {file}")
+        if len(content) + len(film) <= _MOST_SENT:
+            head = {"type": "shared", "name": name, "lacks": lacks, "clip": clip if film else ""}
+            link.send(head, [film, content])
             return
-        head = {"type": "shared", "name": name, "lacks": lacks, "clip": clip if film else ""}
-        link.send(head, [film, content])
+        file = data_folder() / "runs" / f"{datetime.now():%Y-%m-%d-%H%M%S}{Path(name).suffix}"
+        where = f"it is in {file}"
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(file, content)
+        except OSError as error:
+            where = f"it could not be saved: {error}"
+        link.refuse(f"The run is too large for the page: {where}")
 
     def _clip(self) -> tuple[str, bytes]:
         """Return the name and the content of the clip; no content without frames."""
