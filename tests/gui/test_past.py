@@ -18,7 +18,7 @@ from robsim.gui.panels.run.camera import particles_of
 @pytest.fixture(scope="module")
 def noisy():
     """A run in which the robot is hidden in some steps."""
-    simulation = robsim.Simulation(measure=True, dropout=robsim.Dropout(0.5), seed=3)
+    simulation = robsim.Simulation(measure=True, dropout=robsim.Dropout(0.5), smoothing=7, seed=3)
     simulation.run(20)
     return simulation
 
@@ -63,7 +63,7 @@ def test_a_glass_gets_pixels_with_their_classes_of_the_frame_that_is_shown(noisy
             left, top, width, height = head["box"]
             part = np.s_[top : top + height, left : left + width]
             assert np.frombuffer(pixels, np.uint8).tolist() == frame.image[part].ravel().tolist()
-            masks = robsim.vision.classify(frame, noisy.colors, markers=noisy.markers)
+            masks = robsim.vision.classify(frame, noisy.colors, smoothing=7)
             numbers = np.frombuffer(classes, np.uint8).reshape(height, width)
             inside = np.s_[5:-5, 5:-5]  # the edge of the part has fewer neighbours
             for number, color in enumerate(noisy.colors, start=1):

@@ -7,7 +7,6 @@ import json
 import os
 import socket
 import sys
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -95,7 +94,6 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
     save_video(file, shown, fps=min(500.0, max(0.1, 1 / dt)))
 
 
-_MOST_RUNS = 10  # that are kept
 _PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
 
 
@@ -127,21 +125,16 @@ def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) ->
 
 def keep_run(opened: Panel) -> None:
     """Save the run of a panel that ends among the newest runs; print its place and estimate."""
+    from robsim.gui.kept_runs import keep
     from robsim.gui.panels.run.stuck import PATIENCE
-    from robsim.vision.robots.lookup import data_folder
 
     opened._pause_soon(2 * PATIENCE)
     trace = opened.trace
     if opened._is_saved or not len(trace):
         return
-    folder = data_folder() / "runs"
-    file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S}-{os.getpid()}.npz"
     errors.say(f"saving {len(trace)} steps")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        trace.save(file)
-        for old in sorted(folder.glob("*.npz"))[:-_MOST_RUNS]:
-            old.unlink(missing_ok=True)
+        file = keep(".npz", trace.save)
     except (OSError, MemoryError) as error:
         errors.print_note(f"the run could not be saved: {error}")
     else:

@@ -46,6 +46,7 @@ class Record(ABC):
     area: tuple[int, int]
     colors: tuple[ColorClass, ...]
     markers: MarkerLayout
+    smoothing: int | None  # of the colour classes; None = by the markers
     robot_name: str
     outline: Floats  # in the axes of the robot
 
@@ -172,6 +173,7 @@ class RunRecord(Record):
         runner = self._runner
         self.area = runner.area
         self.colors, self.markers = runner.colors, runner.markers
+        self.smoothing = runner._smoothing
         self.robot_name = runner.robot.name
         self.outline = runner.robot.to_robot_frame(runner.robot.outline)
 
@@ -266,7 +268,7 @@ class SavedRecord(Record):
         self._columns = self._trace._groups
         self._name = "Trace" if isinstance(saved, Trace) else f"Session {saved.path.stem}"
         self.area = self._trace.info.area
-        self._smoothing: int | None = None
+        self.smoothing = None
         self._read: Callable[[int], Frame | None] | None = None
         if isinstance(saved, Session):
             self._use_session(saved)
@@ -304,7 +306,7 @@ class SavedRecord(Record):
         return self._read(k)
 
     def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:
-        return find_blobs(frame, self.colors, markers=self.markers, smoothing=self._smoothing)
+        return find_blobs(frame, self.colors, markers=self.markers, smoothing=self.smoothing)
 
     def _use_robot(self, robot: RobotDefinition | None) -> None:
         known = as_robot("lab") if robot is None else robot
@@ -332,7 +334,7 @@ class SavedRecord(Record):
             simulation._start()
         self._use_robot(simulation.robot)
         self.colors, self.markers = simulation.colors, simulation.markers
-        self._smoothing = scenario.smoothing
+        self.smoothing = scenario.smoothing
         self._read = lambda k: simulation._drawn(k, self._columns)
         if drawn := {"adjust_background"} & {*info.callbacks}:
             text = "the pictures are drawn again, without what {} drew on the floor"

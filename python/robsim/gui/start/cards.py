@@ -84,8 +84,8 @@ def _laboratory() -> Scene:
         experiment = Experiment(camera, send=motors, limits=limits, frame_timeout=2, measure=True)
         held.push(experiment)
         experiment.control = GoToPoint(620, 250)
-        return Scene(experiment, held=held.pop_all())
-    raise AssertionError
+        kept = held.pop_all()
+    return Scene(experiment, held=kept)
 
 
 _SCENES: Mapping[str, Callable[[], Scene]] = {

@@ -239,7 +239,8 @@ class CameraView(Part):
         box, part = magnified(link.frame.image, message)
         classes = np.zeros(part.shape[:2], np.uint8)
         if part.size and record.colors:
-            masks = classify(part, record.colors, markers=record.markers)
+            vision = {"markers": record.markers, "smoothing": record.smoothing}
+            masks = classify(part, record.colors, **vision)
             for number, color in enumerate(record.colors, start=1):
                 classes[masks[color.name]] = number
         head = {"type": "detail", "glass": message["glass"], "box": box}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from datetime import datetime
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from robsim._core import Frame, Step
 from robsim.base.files import write_whole
 from robsim.gui._link import Link, Refused
+from robsim.gui.kept_runs import keep
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.replay_file import ReplayFile, digest_of
 from robsim.gui.panels.settings.owners import owners_of
 from robsim.simulation import Simulation
 from robsim.simulation.runner import Runner
 from robsim.vision.imaging.clip import Clip
-from robsim.vision.robots.lookup import data_folder
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
@@ -148,11 +147,8 @@ class Share(Part):
             head = {"type": "shared", "name": name, "lacks": lacks, "clip": clip if film else ""}
             link.send(head, [film, content])
             return
-        file = data_folder() / "runs" / f"{datetime.now():%Y-%m-%d-%H%M%S}{Path(name).suffix}"
-        where = f"it is in {file}"
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(file, content)
+            where = f"it is in {keep(Path(name).suffix, lambda file: write_whole(file, content))}"
         except OSError as error:
             where = f"it could not be saved: {error}"
         link.refuse(f"The run is too large for the page: {where}")
