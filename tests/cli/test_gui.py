@@ -108,11 +108,14 @@ def test_the_run_of_a_card_is_kept_too(seen, user_folder, monkeypatch):
         start._open_card("drive")
         start.panel.pause()
         start.panel.step()
+        start._open_card("task")
+        start.panel.step()
 
     monkeypatch.setattr("robsim.gui.hosts.page.Page.wait", wait)
     told = command("gui").stdout
-    (kept,) = (user_folder / "runs").glob("*.npz")
-    assert f"robsim gui {kept}" in told
+    kept = [*(user_folder / "runs").glob("*.npz")]
+    assert len(kept) == 2
+    assert all(f"robsim gui {file}" in told for file in kept)
 
 
 def test_the_options_of_a_run(seen, tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -16,7 +15,7 @@ def keep(suffix: str, write: Callable[[Path], object]) -> Path:
     """Write a file among the newest ones, of which the oldest goes; OSError: it is not written."""
     folder = data_folder() / "runs"
     folder.mkdir(parents=True, exist_ok=True)
-    file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S}-{os.getpid()}{suffix}"
+    file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S-%f}{suffix}"
     write(file)
     for old in sorted(folder.iterdir())[:-_MOST_RUNS]:
         old.unlink(missing_ok=True)

@@ -21,7 +21,7 @@ def gui(port: int = 0, no_browser: bool = False) -> None:
     """
     from robsim.gui.start.host import Start
 
-    with errors.report_errors(None), Start() as opened:
+    with errors.report_errors(None), Start(keep_run) as opened:
         show_panel(opened, port, is_wanted=not no_browser)
         if opened.panel is not None:
             keep_run(opened.panel)

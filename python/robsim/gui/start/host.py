@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from robsim.gui.hosted import HostedPanel
@@ -19,7 +20,8 @@ class Start(HostedPanel):
     _maker = "robsim gui"
     _view: StartView
 
-    def __init__(self) -> None:
+    def __init__(self, keep: Callable[[Panel], None] = lambda panel: None) -> None:
+        self._keep = keep  # the run of a card, before another one is opened
         self._view = StartView(self._open_card, self._resume, self._kept)
         self._panel: Panel | None = None
         self._has_ended = False
@@ -57,10 +59,15 @@ class Start(HostedPanel):
         from robsim.gui.facade import Panel
         from robsim.gui.start.cards import scene_of
 
+        if self._panel is not None:
+            self._keep(self._panel)
         self._drop()
         scene = scene_of(card)
         panel = Panel(scene.what, SPEED if scene.task is None else 1.0, task=scene.task)
         self._panel, self._scene = panel, scene
+        if self._has_ended:  # meanwhile
+            self._drop()
+            return
         scene.begin(panel._view)
         panel._view.go_home = self._home
         self._resume()
