@@ -12,7 +12,7 @@ _MOST_RUNS = 10
 
 
 def keep(suffix: str, write: Callable[[Path], object]) -> Path:
-    """Write a file among the newest ones, of which the oldest goes; OSError: it is not written."""
+    """Write a file among the newest ones, and remove older ones; OSError: it is not written."""
     folder = data_folder() / "runs"
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S-%f}{suffix}"

@@ -239,8 +239,8 @@ class CameraView(Part):
         box, part = magnified(link.frame.image, message)
         classes = np.zeros(part.shape[:2], np.uint8)
         if part.size and record.colors:
-            vision = {"markers": record.markers, "smoothing": record.smoothing}
-            masks = classify(part, record.colors, **vision)
+            markers, smoothing = record.markers, record.smoothing
+            masks = classify(part, record.colors, markers=markers, smoothing=smoothing)
             for number, color in enumerate(record.colors, start=1):
                 classes[masks[color.name]] = number
         head = {"type": "detail", "glass": message["glass"], "box": box}
