@@ -69,7 +69,7 @@ ROOMS = (
         "teach.isolation",
         "teach.grading",
     ),
-    *("teach.tasks", "teach.doctor", "teach.gym"),
+    *("teach.tasks", "teach.doctor", "teach.gym", "teach.exercises"),
     *("teach.results", "teach.reports", "teach.assignments"),
     *("gui", "cli", "__main__"),
 )

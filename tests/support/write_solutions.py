@@ -1,6 +1,6 @@
-"""Pack the solutions of tasks: `python write_solutions.py FOLDER FILE`.
+"""Pack solutions of tasks or answers of notebooks: `python write_solutions.py FOLDER FILE`.
 
-A test compares FILE with the folder, so that no change of a solution is forgotten.
+A test compares FILE with the folder, so that no change is forgotten.
 """
 
 import sys
@@ -10,8 +10,9 @@ from robsim.teach.tasks.solutions import pack
 
 
 def sources_in(folder: Path) -> dict[str, str]:
-    """Return the files of a folder by the name of their task."""
-    return {file.stem: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.toml"))}
+    """Return the files of a folder by name: of their task, or their notebook."""
+    files = (file for file in sorted(folder.iterdir()) if file.suffix in (".toml", ".py"))
+    return {file.stem: file.read_text(encoding="utf-8") for file in files}
 
 
 if __name__ == "__main__":

@@ -14,9 +14,11 @@ NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
 
 
 def copy_notebooks(folder: str | PathLike[str]) -> list[Path]:
-    """Copy the notebooks of robsim into a folder, created if needed; return the copies' paths.
+    """Copy the notebooks of robsim and their picture into a folder; return the copies' paths.
+
+    The folder is created if needed.
 
     It writes nothing if one exists there (FileExistsError), or if `folder` is a file
     (NotADirectoryError).
     """
-    return copy_files(sorted(NOTEBOOKS.glob("*.ipynb")), folder)
+    return copy_files(sorted(NOTEBOOKS.glob("*.*")), folder)

@@ -1,0 +1,133 @@
+"""`check_answer` and `checked`: whether an answer to an exercise is right, in a sentence."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+from robsim.base.check_report import CheckReport, Problem
+from robsim.base.checks import check_int
+from robsim.base.source_line import line_of_error
+from robsim.base.spelling import check_names
+from robsim.base.text import quoted
+from robsim.teach.errors import SubmissionError
+from robsim.teach.exercises.exercise import Answer, Exercise, called
+from robsim.teach.exercises.shipped import notebook_exercises
+from robsim.teach.grading import Submission
+
+NOT_WRITTEN = "not written"
+_HINT_FROM = 2  # failures
+_failures: Counter[str] = Counter()
+
+
+def check_answer(
+    answer: Answer | Submission, exercise: str | Exercise | None = None, *, seed: int = 0
+) -> CheckReport:
+    """Check the answer to an exercise of a notebook.
+
+    Parameters
+    ----------
+    answer : callable or Submission
+        What a student wrote: the function, or a submission with a function of that name.
+    exercise : str or Exercise, optional
+        The exercise, or the name of one of `notebook_exercises`. Default: the name of the function.
+    seed : int
+        What the numbers of the cases are drawn from.
+
+    Returns
+    -------
+    CheckReport
+        True if the answer is right. The problem says what is wrong; its kind is ``"not written"``
+        for a function that returns None.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `answer` is no function or submission, or there is no such exercise.
+
+    Examples
+    --------
+    >>> def to_the_right(pose, goal):
+    ...     return np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2]
+    >>> robsim.teach.check_answer(to_the_right).ok
+    False
+    """
+    if not callable(answer) and not isinstance(answer, Submission):
+        raise TypeError(f"answer must be a function or a Submission, got {quoted(answer)}")
+    if not isinstance(exercise, Exercise):
+        exercise = _exercise(getattr(answer, "__name__", None) if exercise is None else exercise)
+    cases = exercise.drawn_cases(check_int("seed", seed, minimum=0, maximum=2**63 - 1))
+    try:
+        if isinstance(answer, Submission):
+            results = answer.calls(exercise.name, cases)
+        else:
+            results = [called(answer, case) for case in cases]
+    except SubmissionError as error:
+        return _report(exercise, "failed", f"{error}.")
+    except Exception as error:
+        line = line_of_error(error)
+        where = f" ({line.place}: {line.text})" if line else ""
+        told = f"{exercise.name} raises {type(error).__name__}: {error}{where}."
+        return _report(exercise, "failed", told)
+    if all(result is None for result in results):
+        return _report(exercise, NOT_WRITTEN, f"{exercise.name} returns None.")
+    fault = exercise.fault(cases, results)
+    return CheckReport(name=exercise.name) if fault is None else _report(exercise, "wrong", fault)
+
+
+def checked(answer: Answer) -> Callable[..., Any]:
+    """Print whether the answer to an exercise is right; return a right one.
+
+    So a notebook goes on with what its student wrote, or, until that is right, with an answer of
+    robsim. A hint follows the second wrong answer.
+
+    Parameters
+    ----------
+    answer : callable
+        What a student wrote; its name is that of the exercise.
+
+    Returns
+    -------
+    callable
+        The answer if it is right, else one of robsim.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `check_answer`.
+
+    Examples
+    --------
+    >>> def to_the_right(pose, goal):
+    ...     pass
+    >>> to_the_right = robsim.teach.checked(to_the_right)
+    to_the_right is not written yet. Until it is right, this notebook uses an answer of robsim.
+    """
+    report = check_answer(answer)
+    exercise = _exercise(report.name)
+    if report:
+        print(f"{exercise.name} is right.")
+        return answer
+    (problem,) = report.problems
+    if problem.kind == NOT_WRITTEN:
+        said = "is not written yet."
+    else:
+        said = f"is not right yet: {problem.sentence}"
+        _failures[exercise.name] += 1
+        if _failures[exercise.name] >= _HINT_FROM:
+            said += f" Hint: {exercise.hint}"
+    told = f"{exercise.name} {said} Until it is right, this notebook uses an answer of robsim."
+    print(textwrap.fill(told, 100))
+    return exercise.right
+
+
+def _exercise(name: object) -> Exercise:
+    known = {one.name: one for group in notebook_exercises().values() for one in group}
+    check_names("there is no exercise", [str(name)], known, ValueError)
+    return known[str(name)]
+
+
+def _report(exercise: Exercise, kind: str, sentence: str) -> CheckReport:
+    return CheckReport(name=exercise.name, problems=(Problem(kind=kind, sentence=sentence),))

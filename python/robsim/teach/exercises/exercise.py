@@ -1,0 +1,153 @@
+"""`Exercise`: a function to write, its right answer, cases, known mistakes, a hint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Answer = Callable[..., Any]
+Case = tuple[NDArray[Any] | float, ...]
+_CASES = 20
+_RELATIVE = 1e-6
+_MOST_SHOWN = 6  # numbers of an array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exercise:
+    """A function that a student writes, from numbers and arrays to numbers and arrays.
+
+    Attributes
+    ----------
+    right : callable
+        A right answer; its name is that of the exercise.
+    cases : callable
+        Gets a `numpy.random.Generator`, and returns the arguments of one call as a tuple.
+    hint : str
+        What helps who has failed twice.
+    mistakes : mapping of str to callable
+        Known wrong answers, by the sentence for whoever gives one of them.
+    judge : callable, optional
+        Gets a result and the arguments, and returns what is wrong with it as a sentence, or None.
+        For exercises with many right answers. Default: the result must be that of `right`.
+    tolerance : float
+        The absolute difference that does not count, in the unit of the result; besides a relative
+        one of 1e-6.
+
+    Examples
+    --------
+    One of your own, for `check_answer`:
+
+    >>> def circumference(radius):
+    ...     return 2 * np.pi * radius
+    >>> mine = robsim.teach.Exercise(
+    ...     right=circumference,
+    ...     cases=lambda rng: (rng.uniform(1, 2),),
+    ...     hint="How many diameters go around a circle?",
+    ...     mistakes={"This is the area.": lambda radius: np.pi * radius**2},
+    ... )
+    >>> robsim.teach.check_answer(lambda radius: np.pi * radius**2, mine).sentences
+    ['This is the area.']
+    """
+
+    right: Answer
+    cases: Callable[[np.random.Generator], Case]
+    hint: str
+    mistakes: Mapping[str, Answer] = field(default_factory=dict)
+    judge: Callable[..., str | None] | None = None
+    tolerance: float = 1e-9
+
+    @property
+    def name(self) -> str:
+        """The name of the function."""
+        return self.right.__name__
+
+    @property
+    def title(self) -> str:
+        """The first line of its docstring, without the stop."""
+        return str(self.right.__doc__).splitlines()[0].rstrip(".")
+
+    def drawn_cases(self, seed: int) -> list[Case]:
+        """Return the arguments of some calls."""
+        rng = np.random.default_rng(seed)
+        return [self.cases(rng) for _ in range(_CASES)]
+
+    def fault(self, cases: Iterable[Case], results: list[Any]) -> str | None:
+        """Return what is wrong with the results of an answer, as a sentence, or None."""
+        cases = list(cases)
+        found = next(filter(None, map(self._fault, cases, results)), None)
+        if found is None:
+            return None
+        for sentence, wrong in self.mistakes.items():
+            if all(map(self._alike, results, (called(wrong, case) for case in cases))):
+                return sentence
+        return found
+
+    def _fault(self, case: Case, result: Any) -> str | None:
+        call = f"{self.name}({', '.join(map(_shown, case))})"
+        right = called(self.right, case)
+        if (kind := _kind(result)) != (wanted := _kind(right)):
+            return f"{call} returns {kind}, and must return {wanted}."
+        if self.judge is not None:
+            said = self.judge(result, *case)
+            return said and f"{call} returns {_shown(result)}: {said}"
+        if self._alike(result, right):
+            return None
+        return f"{call} returns {_shown(result)}, and must return {_shown(right)}."
+
+    def _alike(self, one: Any, other: Any) -> bool:
+        if _kind(one) != _kind(other):
+            return False
+        pairs = zip(_parts(one), _parts(other), strict=True)
+        return all(
+            np.allclose(a.astype(float), b.astype(float), _RELATIVE, self.tolerance, equal_nan=True)
+            for a, b in pairs
+        )
+
+
+def exercise(**options: Any) -> Callable[[Answer], Exercise]:
+    """Return a decorator that makes an `Exercise` of its right answer."""
+    return lambda right: Exercise(right=right, **options)
+
+
+def called(answer: Answer, case: Case) -> Any:
+    """Return the result of a call with copies of the arguments: numbers, arrays, tuples of both."""
+    copies = (np.array(value) for value in case)
+    return answer(*(value if value.ndim else value.item() for value in copies))
+
+
+def _parts(result: Any) -> list[NDArray[Any]]:
+    """Return the arrays of a result; a tuple of numbers, or a list, is one array."""
+    if isinstance(result, tuple) and any(np.ndim(part) for part in result):
+        return [np.asarray(part) for part in result]
+    return [np.asarray(result)]
+
+
+def _kind(result: Any) -> str:
+    """Return in words what a result is: ``"a number"``, ``"an array of shape (3,)"``."""
+    if result is None:
+        return "None"
+    try:
+        parts = _parts(result)
+    except ValueError:
+        return "lists of different lengths"
+    if any(part.dtype.kind not in "bifu" for part in parts):
+        return f"a {type(result).__name__}"
+    kinds = [f"an array of shape {part.shape}" if part.ndim else "a number" for part in parts]
+    return kinds[0] if len(kinds) == 1 else f"{len(kinds)} results, {', '.join(kinds)}"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_shown, value))})"
+    array = np.asarray(value)
+    if not array.ndim:
+        return f"{array.item():.4g}"
+    if array.size > _MOST_SHOWN:
+        first = ", ".join(map(_shown, islice(array.flat, 3)))
+        return f"[{first}, ... of shape {array.shape}]"
+    return f"[{', '.join(map(_shown, array))}]"

@@ -1,0 +1,111 @@
+"""Exercises of the notebooks: right answers, mistakes, and what is said of them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robsim
+from robsim.teach.exercises import shipped
+from robsim.teach.exercises.exercise import called
+from write_solutions import sources_in
+
+SOURCES = Path(__file__).parents[2] / "notebooks/solutions"
+EXERCISES = [one for group in robsim.teach.notebook_exercises().values() for one in group]
+each = pytest.mark.parametrize("exercise", EXERCISES, ids=lambda one: one.name)
+
+
+@pytest.mark.skipif(not SOURCES.is_dir(), reason="needs the sources")
+def test_the_packed_answers_are_the_written_ones():
+    assert shipped.sources() == sources_in(SOURCES), "run ./run stubs"
+
+
+@each
+def test_the_right_answer_is_right_with_any_numbers(exercise):
+    for seed in range(3):
+        assert robsim.teach.check_answer(exercise.right, seed=seed)
+
+
+@each
+def test_each_mistake_has_its_sentence(exercise):
+    for sentence, wrong in exercise.mistakes.items():
+        report = robsim.teach.check_answer(wrong, exercise.name)
+        assert report.sentences == [sentence]
+
+
+def test_the_names_differ():
+    names = [one.name for one in EXERCISES]
+    assert len(names) == len(set(names))
+
+
+def to_the_right(pose, goal):
+    """Begin, like a student, without the wrap."""
+    return np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2]
+
+
+def test_a_notebook_goes_on_with_a_right_answer(capsys):
+    def unwritten(pose, goal): ...
+
+    unwritten.__name__ = "to_the_right"
+    for answer in (unwritten, to_the_right, to_the_right):
+        used = robsim.teach.checked(answer)
+        assert abs(used(np.array([0, 0, 3]), np.array([-1, -1]))) < 1.1
+    told = capsys.readouterr().out
+    assert told.count("Hint: ") == 1
+    assert told.startswith("to_the_right is not written yet.")
+    right = robsim.teach.notebook_exercises()["02_park"][0].right
+    assert robsim.teach.checked(right) is right
+
+
+@pytest.mark.parametrize(
+    ("returned", "said"),
+    [
+        ([1, 2], "returns an array of shape (2,), and must return a number."),
+        ("left", "returns a str, and must return a number."),
+        (([1], [2]), "returns 2 results, an array of shape (1,), an array of shape (1,), and must"),
+        (np.nan, "returns nan, and must return "),
+        ([[1], [2, 3]], "returns lists of different lengths, and must return a number."),
+    ],
+)
+def test_what_comes_back_is_said(returned, said):
+    (sentence,) = robsim.teach.check_answer(lambda *_: returned, "to_the_right").sentences
+    assert said in sentence
+
+
+def test_an_error_has_its_line():
+    def typo(pose, goal):
+        return poes[0]  # noqa: F821
+
+    (sentence,) = robsim.teach.check_answer(typo, "to_the_right").sentences
+    assert "NameError: name 'poes' is not defined (test_exercises.py:" in sentence
+
+
+def test_arguments_are_copies():
+    def spoils(pose, goal):
+        pose[:] = 0
+        return 0
+
+    given = np.ones(3), np.ones(2)
+    called(spoils, given)
+    assert given[0].all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((lambda pose: 0,), "there is no exercise '<lambda>'"),
+        ((to_the_right, "to_the_rihgt"), "did you mean 'to_the_right'?"),
+        ((5,), "answer must be a function or a Submission, got 5"),
+    ],
+)
+def test_wrong_arguments(arguments, said):
+    with pytest.raises((TypeError, ValueError), match=said.replace("?", r"\?")):
+        robsim.teach.check_answer(*arguments)
+
+
+def test_a_submission_is_checked_by_the_same_cases(tmp_path):
+    file = tmp_path / "voltages.py"
+    file.write_text("def voltages(drive, turn):\n    return drive - turn, drive + turn\n")
+    submission = robsim.teach.Submission(file, functions="voltages")
+    (sentence,) = robsim.teach.check_answer(submission, "voltages").sentences
+    assert sentence.startswith("The robot turns left")
