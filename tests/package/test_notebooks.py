@@ -50,26 +50,53 @@ def test_a_notebook_is_short_and_stripped():
             assert cell["metadata"] == ({"tags": ["robsim-skip"]} if is_check else {})
 
 
-@pytest.mark.slow
-@each
-def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
+def executed(folder, name, *options):
+    """Copy the notebooks into a folder; return one of them after all its cells."""
     nbclient, nbformat = map(importlib.import_module, ("nbclient", "nbformat"))  # 2 s
-    assert command("notebooks", str(tmp_path)).exit_code == 0
-    notebook = nbformat.read(tmp_path / file.name, as_version=4)
+    assert command("notebooks", str(folder), *options).exit_code == 0
+    notebook = nbformat.read(folder / name, as_version=4)
     for cell in notebook.cells:
         for long, short in thorough({}, SHORTER).items():
             cell.source = cell.source.replace(long, short)
     notebook.cells.append(nbformat.v4.new_code_cell(LEFT_BEHIND))
-    place = {"metadata": {"path": str(tmp_path)}}
+    place = {"metadata": {"path": str(folder)}}
     nbclient.NotebookClient(notebook, timeout=600, resources=place).execute()
     assert notebook.cells.pop()["outputs"][0]["text"] == "[]\n"
     outputs = [output for cell in code_cells(notebook) for output in cell["outputs"]]
     assert not [output["text"] for output in outputs if output.get("name") == "stderr"]
+    return notebook, outputs
+
+
+@pytest.mark.slow
+@each
+def test_a_notebook_runs_as_a_student_gets_it(file, tmp_path):
+    notebook, outputs = executed(tmp_path, file.name)
     kinds = [set(output["data"]) for output in outputs if "data" in output]
     pictures = [kind for kind in kinds if kind & {"image/png", "text/html"}]
-    assert len(pictures) >= 3
+    assert len(pictures) >= 3 or not code_cells(notebook)
     if file.stem == MANUAL:
         check_figures(code_cells(notebook))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", robsim.teach.notebook_exercises())
+def test_a_notebook_runs_with_its_answers(name, tmp_path):
+    _, outputs = executed(tmp_path, f"{name}.ipynb", "--solutions")
+    told = "".join(output["text"] for output in outputs if output.get("name") == "stdout")
+    for exercise in robsim.teach.notebook_exercises()[name]:
+        assert f"{exercise.name} is right.\n" in told
+
+
+def test_each_exercise_is_a_cell_and_its_check():
+    for name, exercises in robsim.teach.notebook_exercises().items():
+        text = (NOTEBOOKS / f"{name}.ipynb").read_text(encoding="utf-8")
+        sources = ["".join(cell["source"]) for cell in code_cells(json.loads(text))]
+        checked = [re.fullmatch(r"(\w+) = robsim.teach.checked\(\1\)", one) for one in sources]
+        checks = {found[1]: n for n, found in enumerate(checked) if found}
+        assert list(checks) == [exercise.name for exercise in exercises]
+        for exercise, at in checks.items():
+            assert f"def {exercise}(" in sources[at - 1]
+            assert sources[at - 1].endswith("    ...")
 
 
 def check_figures(cells):
@@ -124,6 +151,6 @@ def test_the_command_copies_them_and_never_overwrites(tmp_path):
         (tmp_path / "coursework" / file.name).unlink()
     again = command("notebooks", "coursework", cwd=tmp_path)
     assert again.exit_code == 2
-    assert f"coursework has {mine.name} already: nothing was written" in again.stderr
-    assert [file.name for file in mine.parent.iterdir()] == [mine.name]
+    assert f"coursework has {mine.name}, axes.svg already: nothing was written" in again.stderr
+    assert sorted(file.name for file in mine.parent.iterdir()) == [mine.name, "axes.svg"]
     assert mine.read_text() == "my work"

@@ -179,6 +179,11 @@ def new_assignment():
     return robsim.teach.new_assignment("measure", Path(new_folder(), "hw1"), seed=1)
 
 
+def answer():
+    """An answer to an exercise."""
+    return next(iter(robsim.teach.notebook_exercises().values()))[0].right
+
+
 #: An example of an argument that has to be given, by name; by callable and name where they differ.
 EXAMPLES = {
     "plot_runs.runs": lambda: {"one": trace()},
@@ -197,6 +202,9 @@ EXAMPLES = {
     "Submission.calls.name": lambda: "fit",
     "Intrinsics.matrix": lambda: [[50, 0, 20], [0, 50, 20], [0, 0, 1]],
     "new_assignment.template": lambda: "measure",
+    **{f"{door}.answer": answer for door in ("check_answer", "checked")},
+    "Exercise.right": answer,
+    "Exercise.cases": lambda: lambda rng: (1.0, 2.0),
     "pack_feedback.result": lambda: ClassResult(name="hw1", results=()),
     "pack_gradescope.path": lambda: Path(new_folder(), "autograder.zip"),
     "calibrate_assignment.folder": lambda: new_assignment().folder,

@@ -1,4 +1,4 @@
-"""Exercises of the notebooks: right answers, mistakes, and what is said of them."""
+"""Exercises of the notebooks: right answers, mistakes, and sentences for these."""
 
 from pathlib import Path
 

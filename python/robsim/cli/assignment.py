@@ -96,13 +96,16 @@ def new(
 ) -> None:
     """Make the folder of a new assignment.
 
-    TEMPLATE is park, follow, identify, measure or estimate. The folder gets its own key and
-    numbers, a sheet, right and wrong solutions, a public and a hidden test, and provisional limits.
-    At once these are the limits of the task that ships with robsim, after a minute or two its own.
-    All commands work with provisional limits, and name them. robsim assignment calibrate makes
-    exact ones. README.md describes the files.
+    TEMPLATE is park, follow, identify, measure, estimate, or a notebook such as 02_park.
 
-    TEMPLATE: What students are to do.
+    For a task the folder gets its own key and numbers, a sheet, solutions and provisional limits. At once these are the limits of the task that ships
+    with robsim, after a minute or two its own. All commands work with provisional limits, and name
+    them. robsim assignment calibrate makes exact ones. README.md describes the files.
+
+    For a notebook the folder gets a key, a sheet and the notebook. Each exercise has a public and a
+    hidden test. There is nothing to calibrate.
+
+    TEMPLATE: The task, or the notebook, for students.
     FOLDER: The folder, which is made.
     --name TEXT: Name of the assignment. Default: the folder's.
     --no-calibrate: Keep the limits of the task that ships with robsim.
@@ -114,6 +117,10 @@ def new(
 
     with report_errors():
         made = new_assignment(template, folder, name=name, seed=seed)
+        if not made.tests:
+            errors.say(f"written to {folder}: {made.title}, {', '.join(made.functions)}")
+            errors.say(f"next: robsim assignment check {folder}")
+            return
         test = made.tests[0]
         drawn = ", ".join(f"{key} {value}" for key, value in test.task.parameters.items())
         errors.say(f"written to {folder}: {made.title}, {drawn}")

@@ -1,4 +1,4 @@
-"""The command ``robsim notebooks``: copies the notebooks for students."""
+"""The command ``robsim notebooks``: copies the notebooks for students, or their answers."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from pathlib import Path
 from robsim.cli import errors
 
 
-def notebooks(folder: Path) -> None:
+def notebooks(folder: Path, solutions: bool = False) -> None:
     r"""Copy the notebooks for students into a folder.
 
     They need Jupyter: pip install notebook 'robsim\[notebook]'. Then: jupyter notebook FOLDER
 
     FOLDER: The folder; created if needed.
+    --solutions: For teachers: copy them with the exercises solved.
 
     Example: robsim notebooks coursework
     """
-    from robsim.base.shipped import copy_notebooks
+    from robsim.teach.exercises import copy_notebooks
 
-    files = copy_notebooks(folder)
+    files = copy_notebooks(folder, solutions=solutions)
     errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")

@@ -26,6 +26,8 @@ from robsim.teach.assignments.assignment_file import (
     load_assignment,
     solutions_for,
 )
+from robsim.teach.assignments.from_notebook import notebook_files
+from robsim.teach.exercises import notebook_exercises
 from robsim.teach.grading.keys import Key
 from robsim.teach.submissions.notebook.choosing import COUNTS
 from robsim.teach.tasks.by_name import task
@@ -145,13 +147,14 @@ def new_assignment(
 ) -> Assignment:
     """Make the folder of an assignment, with a new key and numbers of its own.
 
-    Its limits are provisional: the task that ships with robsim has these. `calibrate_assignment`
-    makes its own.
+    The limits of a task are provisional: the task that ships with robsim has these.
+    `calibrate_assignment` makes its own. A notebook is graded by its exercises, without limits.
 
     Parameters
     ----------
     template : str
-        One of `TEMPLATES`, such as ``"park"``.
+        A task, such as ``"park"``, or a notebook with exercises, such as ``"02_park"``; see
+        `notebook_exercises`.
     folder : path
         The folder, which is made.
     name : str, optional
@@ -171,12 +174,13 @@ def new_assignment(
     TypeError, ValueError
         If an argument is wrong; the message names it.
     """
-    check_names("there is no template", [check_text("template", template)], TEMPLATES, ValueError)
+    known = [*TEMPLATES, *notebook_exercises()]
+    check_names("there is no template", [check_text("template", template)], known, ValueError)
     place = as_folder(folder)
     title = check_name("name", place.absolute().name if name is None else name)
     if seed is not None:
         check_int("seed", seed, minimum=0, maximum=_MOST_SEED)
-    task = draw(template, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
     try:
         place.mkdir(parents=True)
     except FileExistsError:
@@ -184,7 +188,11 @@ def new_assignment(
             f"{one_line(place)} exists: give another name, or remove it first"
         ) from None
     try:
-        _fill(place, task, title)
+        Key.new().save(place / KEY)
+        if template in TEMPLATES:
+            _fill(place, draw(template, rng), title)
+        else:
+            write_below(place, notebook_files(template, title, rng))
         return load_assignment(place)
     except BaseException:
         shutil.rmtree(place, ignore_errors=True)
@@ -198,7 +206,6 @@ def _fill(folder: Path, task: Task, name: str) -> None:
         "folder": one_line(folder),
         "task": task.name,
     }
-    Key.new().save(folder / KEY)
     files = {
         FILE: _filled("assignment.toml", values | _rules(task)),
         "README.md": _filled("README.md", values),
@@ -235,7 +242,7 @@ def _rules(task: Task) -> dict[str, str]:
         "title": _toml(_title(task)),
         "slots": _toml(list(kind.slots)),
         "given": _toml(kind.given),
-        "masked": _toml([*kind.masked, "robsim.teach.assignments"]),
+        "masked": _toml([*kind.masked, "robsim.teach.assignments", "robsim.teach.exercises"]),
         "task": _toml(task.name),
         "class": f"robsim.teach.{kind.__name__}",
         "public_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}"),

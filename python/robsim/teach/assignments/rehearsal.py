@@ -16,7 +16,10 @@ from robsim.teach.assignments.classes.plan import Plan
 from robsim.teach.assignments.classes.progress import Schedule
 from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
-from robsim.teach.assignments.making import write_below
+from robsim.teach.assignments.from_notebook import names_of_tests
+from robsim.teach.assignments.making import START, write_below
+from robsim.teach.exercises import notebook_exercises
+from robsim.teach.exercises.shipped import solved
 from robsim.teach.results import SubmissionResult
 from robsim.teach.submissions.imports import masked_in
 from robsim.teach.submissions.python_text import decoded
@@ -108,7 +111,14 @@ def cast_of(assignment: Assignment) -> list[Part]:
         parts.append(_as_notebook(ruled, task, own))
         for name, files, expected in gamed_submissions(ruled, task.slots, task.masked):
             parts.append(Part(f"gamed: {name}", files, expected, own))
-    parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
+    own_tests = names_of_tests(assignment.functions)
+    for file in sorted((assignment.folder / START).glob("*.ipynb")):
+        if file.stem in notebook_exercises():
+            begun, right = {file.name: file.read_bytes()}, {file.name: solved(file.stem)}
+            parts.append(Part("right: the notebook with its answers", right, FULL, own_tests))
+            parts.append(Part("the notebook as students get it", begun, NOTHING, own_tests))
+    nothing = {"notes.txt": b"to do\n"}
+    parts.append(Part("nothing in it", nothing, NOTHING, (*tests, *own_tests)))
     hostile = hostile_submissions(assignment.slots)
     parts += (Part(f"hostile: {name}", files, NOTHING, tests) for name, files in hostile)
     return parts

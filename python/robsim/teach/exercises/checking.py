@@ -8,16 +8,17 @@ from collections.abc import Callable
 from typing import Any
 
 from robsim.base.check_report import CheckReport, Problem
-from robsim.base.checks import check_int
+from robsim.base.checks import check_int, check_text
 from robsim.base.source_line import line_of_error
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
-from robsim.teach.exercises.exercise import Answer, Exercise, called
+from robsim.teach.exercises.exercise import Answer, Exercise, called, drawn_cases, fault_of
 from robsim.teach.exercises.shipped import notebook_exercises
 from robsim.teach.grading import Submission
 
 NOT_WRITTEN = "not written"
+_NO_EXERCISE = "answer: there is no exercise"
 _HINT_FROM = 2  # failures
 _failures: Counter[str] = Counter()
 
@@ -30,17 +31,17 @@ def check_answer(
     Parameters
     ----------
     answer : callable or Submission
-        What a student wrote: the function, or a submission with a function of that name.
+        The function of a student, or a submission with a function of that name.
     exercise : str or Exercise, optional
         The exercise, or the name of one of `notebook_exercises`. Default: the name of the function.
     seed : int
-        What the numbers of the cases are drawn from.
+        Seed of the numbers in the cases.
 
     Returns
     -------
     CheckReport
-        True if the answer is right. The problem says what is wrong; its kind is ``"not written"``
-        for a function that returns None.
+        True if the answer is right. The problem names the fault; its kind is ``"not written"`` for
+        a function that returns None.
 
     Raises
     ------
@@ -54,11 +55,13 @@ def check_answer(
     >>> robsim.teach.check_answer(to_the_right).ok
     False
     """
-    if not callable(answer) and not isinstance(answer, Submission):
+    if not isinstance(answer, Submission) and not callable(answer):
         raise TypeError(f"answer must be a function or a Submission, got {quoted(answer)}")
-    if not isinstance(exercise, Exercise):
-        exercise = _exercise(getattr(answer, "__name__", None) if exercise is None else exercise)
-    cases = exercise.drawn_cases(check_int("seed", seed, minimum=0, maximum=2**63 - 1))
+    if exercise is None:
+        exercise = _exercise(getattr(answer, "__name__", ""), _NO_EXERCISE)
+    elif not isinstance(exercise, Exercise):
+        exercise = _exercise(exercise, "exercise: there is no")
+    cases = drawn_cases(exercise, check_int("seed", seed, minimum=0, maximum=2**63 - 1))
     try:
         if isinstance(answer, Submission):
             results = answer.calls(exercise.name, cases)
@@ -73,20 +76,20 @@ def check_answer(
         return _report(exercise, "failed", told)
     if all(result is None for result in results):
         return _report(exercise, NOT_WRITTEN, f"{exercise.name} returns None.")
-    fault = exercise.fault(cases, results)
+    fault = fault_of(exercise, cases, results)
     return CheckReport(name=exercise.name) if fault is None else _report(exercise, "wrong", fault)
 
 
 def checked(answer: Answer) -> Callable[..., Any]:
     """Print whether the answer to an exercise is right; return a right one.
 
-    So a notebook goes on with what its student wrote, or, until that is right, with an answer of
+    So a notebook continues with the function of its student, or, until this is right, with one of
     robsim. A hint follows the second wrong answer.
 
     Parameters
     ----------
     answer : callable
-        What a student wrote; its name is that of the exercise.
+        The function of a student, by the name of the exercise.
 
     Returns
     -------
@@ -105,8 +108,8 @@ def checked(answer: Answer) -> Callable[..., Any]:
     >>> to_the_right = robsim.teach.checked(to_the_right)
     to_the_right is not written yet. Until it is right, this notebook uses an answer of robsim.
     """
-    report = check_answer(answer)
-    exercise = _exercise(report.name)
+    exercise = _exercise(getattr(answer, "__name__", ""), _NO_EXERCISE)
+    report = check_answer(answer, exercise)
     if report:
         print(f"{exercise.name} is right.")
         return answer
@@ -123,10 +126,10 @@ def checked(answer: Answer) -> Callable[..., Any]:
     return exercise.right
 
 
-def _exercise(name: object) -> Exercise:
+def _exercise(name: str, what: str) -> Exercise:
     known = {one.name: one for group in notebook_exercises().values() for one in group}
-    check_names("there is no exercise", [str(name)], known, ValueError)
-    return known[str(name)]
+    check_names(what, [check_text("exercise", name)], known, ValueError)
+    return known[name]
 
 
 def _report(exercise: Exercise, kind: str, sentence: str) -> CheckReport:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from robsim.base.checks import check_callable, check_float, check_kind, check_text
+from robsim.base.text import quoted
 
 Answer = Callable[..., Any]
 Case = tuple[NDArray[Any] | float, ...]
@@ -24,15 +27,15 @@ class Exercise:
     Attributes
     ----------
     right : callable
-        A right answer; its name is that of the exercise.
+        A right answer. The exercise has its name.
     cases : callable
         Gets a `numpy.random.Generator`, and returns the arguments of one call as a tuple.
     hint : str
-        What helps who has failed twice.
+        Help after two wrong answers.
     mistakes : mapping of str to callable
-        Known wrong answers, by the sentence for whoever gives one of them.
+        Known wrong answers, by the sentences for students who give them.
     judge : callable, optional
-        Gets a result and the arguments, and returns what is wrong with it as a sentence, or None.
+        Gets a result and the arguments, and returns its fault as a sentence, or None.
         For exercises with many right answers. Default: the result must be that of `right`.
     tolerance : float
         The absolute difference that does not count, in the unit of the result; besides a relative
@@ -40,7 +43,7 @@ class Exercise:
 
     Examples
     --------
-    One of your own, for `check_answer`:
+    An exercise of your own, for `check_answer`:
 
     >>> def circumference(radius):
     ...     return 2 * np.pi * radius
@@ -61,6 +64,15 @@ class Exercise:
     judge: Callable[..., str | None] | None = None
     tolerance: float = 1e-9
 
+    def __post_init__(self) -> None:
+        for key in ("right", "cases") if self.judge is None else ("right", "cases", "judge"):
+            check_callable(key, getattr(self, key))
+        check_text("hint", self.hint)
+        check_kind("mistakes", self.mistakes, Mapping)
+        for sentence, wrong in self.mistakes.items():
+            check_callable(f"mistakes[{quoted(sentence)}]", wrong)
+        check_float("tolerance", self.tolerance, minimum=0)
+
     @property
     def name(self) -> str:
         """The name of the function."""
@@ -71,42 +83,44 @@ class Exercise:
         """The first line of its docstring, without the stop."""
         return str(self.right.__doc__).splitlines()[0].rstrip(".")
 
-    def drawn_cases(self, seed: int) -> list[Case]:
-        """Return the arguments of some calls."""
-        rng = np.random.default_rng(seed)
-        return [self.cases(rng) for _ in range(_CASES)]
 
-    def fault(self, cases: Iterable[Case], results: list[Any]) -> str | None:
-        """Return what is wrong with the results of an answer, as a sentence, or None."""
-        cases = list(cases)
-        found = next(filter(None, map(self._fault, cases, results)), None)
-        if found is None:
-            return None
-        for sentence, wrong in self.mistakes.items():
-            if all(map(self._alike, results, (called(wrong, case) for case in cases))):
-                return sentence
-        return found
+def drawn_cases(exercise: Exercise, seed: int) -> list[Case]:
+    """Return the arguments of some calls."""
+    rng = np.random.default_rng(seed)
+    return [exercise.cases(rng) for _ in range(_CASES)]
 
-    def _fault(self, case: Case, result: Any) -> str | None:
-        call = f"{self.name}({', '.join(map(_shown, case))})"
-        right = called(self.right, case)
-        if (kind := _kind(result)) != (wanted := _kind(right)):
-            return f"{call} returns {kind}, and must return {wanted}."
-        if self.judge is not None:
-            said = self.judge(result, *case)
-            return said and f"{call} returns {_shown(result)}: {said}"
-        if self._alike(result, right):
-            return None
-        return f"{call} returns {_shown(result)}, and must return {_shown(right)}."
 
-    def _alike(self, one: Any, other: Any) -> bool:
-        if _kind(one) != _kind(other):
-            return False
-        pairs = zip(_parts(one), _parts(other), strict=True)
-        return all(
-            np.allclose(a.astype(float), b.astype(float), _RELATIVE, self.tolerance, equal_nan=True)
-            for a, b in pairs
-        )
+def fault_of(exercise: Exercise, cases: Sequence[Case], results: Sequence[Any]) -> str | None:
+    """Return the fault of the results of an answer as a sentence; None = they are right."""
+    faults = (_fault(exercise, *one) for one in zip(cases, results, strict=True))
+    found = next(filter(None, faults), None)
+    if found is None:
+        return None
+    for sentence, wrong in exercise.mistakes.items():
+        known = (called(wrong, case) for case in cases)
+        if all(_alike(*pair, exercise.tolerance) for pair in zip(results, known, strict=True)):
+            return sentence
+    return found
+
+
+def _fault(exercise: Exercise, case: Case, result: Any) -> str | None:
+    call = f"{exercise.name}({', '.join(map(_shown, case))})"
+    right = called(exercise.right, case)
+    if (kind := _kind(result)) != (wanted := _kind(right)):
+        return f"{call} returns {kind}, and must return {wanted}."
+    if exercise.judge is not None:
+        said = exercise.judge(result, *case)
+        return said and f"{call} returns {_shown(result)}: {said}"
+    if _alike(result, right, exercise.tolerance):
+        return None
+    return f"{call} returns {_shown(result)}, and must return {_shown(right)}."
+
+
+def _alike(one: Any, other: Any, tolerance: float) -> bool:
+    return _kind(one) == _kind(other) and all(
+        np.allclose(a.astype(float), b.astype(float), _RELATIVE, tolerance, equal_nan=True)
+        for a, b in zip(_parts(one), _parts(other), strict=True)
+    )
 
 
 def exercise(**options: Any) -> Callable[[Answer], Exercise]:
@@ -128,7 +142,7 @@ def _parts(result: Any) -> list[NDArray[Any]]:
 
 
 def _kind(result: Any) -> str:
-    """Return in words what a result is: ``"a number"``, ``"an array of shape (3,)"``."""
+    """Return the kind of a result in words: ``"a number"``, ``"an array of shape (3,)"``."""
     if result is None:
         return "None"
     try:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import ast
 import json
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
+from robsim.base.checks import check_bool
+from robsim.base.files import write_new_files
 from robsim.base.shipped import NOTEBOOKS
 from robsim.teach.exercises.exercise import Exercise
 from robsim.teach.tasks.solutions import unpack
 
-#: What ``notebooks/solutions`` has, packed: nobody comes across an answer without looking for one.
+#: The files of ``notebooks/solutions``, packed: students find no answer by chance.
 PACKED = Path(__file__).with_name("answers.bin")
 
 
@@ -46,13 +49,47 @@ def _exercises_in(name: str, source: str) -> tuple[Exercise, ...]:
 
 
 def solved(notebook: str) -> bytes:
-    """Return a notebook whose functions are those of its module of answers."""
+    """Return a notebook with the functions of its module of answers."""
     content = json.loads((NOTEBOOKS / f"{notebook}.ipynb").read_text(encoding="utf-8"))
     answers = _definitions(sources()[notebook])
     for cell in content["cells"]:
         if cell["cell_type"] == "code":
             cell["source"] = _filled("".join(cell["source"]), answers)
     return (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def copy_notebooks(folder: str | PathLike[str], *, solutions: bool = False) -> list[Path]:
+    """Copy the notebooks of robsim and their picture into a folder.
+
+    Parameters
+    ----------
+    folder : path
+        The folder, created if needed.
+    solutions : bool
+        Whether the exercises are solved.
+
+    Returns
+    -------
+    list of Path
+        The copies.
+
+    Raises
+    ------
+    FileExistsError
+        If one of them exists there: then nothing is written.
+    NotADirectoryError
+        If `folder` is a file.
+
+    Examples
+    --------
+    >>> robsim.teach.copy_notebooks("coursework")[0]
+    PosixPath('coursework/00_panel.ipynb')
+    """
+    check_bool("solutions", solutions)
+    files = {file.name: file.read_bytes() for file in sorted(NOTEBOOKS.glob("*.*"))}
+    if solutions:
+        files |= {f"{name}.ipynb": solved(name) for name in sources()}
+    return write_new_files(files, folder)
 
 
 def _definitions(source: str) -> dict[str, str]:

@@ -84,12 +84,25 @@ def statements_of(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Itera
     """Yield the statements of cells, each with its values for slots behind it."""
     flags = 0
     for cell, node in parsed(cells, file):
+        if _is_check(node):
+            continue
         values = [each for each in _values(node) if each[0] in slots]
         if not getattr(node, "targets", [node]):  # of ``sim.SLOT = ...``
             node = ast.copy_location(ast.Pass(), node)
         yield (statement := Statement(cell, node, flags))
         flags |= statement.code.co_flags & _FUTURES
         yield from (Fill(slot, value, statement, flags, way=way) for slot, value, way in values)
+
+
+def _is_check(node: ast.stmt) -> bool:
+    """Return whether a statement is ``name = robsim.teach.checked(name)``."""
+    match node:
+        case ast.Assign(
+            targets=[ast.Name(id=name)],
+            value=ast.Call(func=ast.Attribute(attr="checked"), args=[ast.Name(id=given)]),
+        ):
+            return name == given
+    return False
 
 
 def _values(node: ast.stmt) -> Iterator[tuple[str, ast.expr, str]]:
