@@ -98,9 +98,10 @@ def new(
 
     TEMPLATE is park, follow, identify, measure, estimate, or a notebook such as 02_park.
 
-    For a task the folder gets its own key and numbers, a sheet, solutions and provisional limits. At once these are the limits of the task that ships
-    with robsim, after a minute or two its own. All commands work with provisional limits, and name
-    them. robsim assignment calibrate makes exact ones. README.md describes the files.
+    For a task the folder gets its own key and numbers, a sheet, solutions and provisional limits.
+    At once these are the limits of the task that ships with robsim, after a minute or two its own.
+    All commands work with provisional limits, and name them. robsim assignment calibrate makes
+    exact ones. README.md describes the files.
 
     For a notebook the folder gets a key, a sheet and the notebook. Each exercise has a public and a
     hidden test. There is nothing to calibrate.
