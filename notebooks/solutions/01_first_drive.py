@@ -29,13 +29,13 @@ def some_mask(rng):
         "This is the middle of the bounding box: take the mean over all pixels.": (
             lambda mask: (np.argwhere(mask).min(axis=0) + np.argwhere(mask).max(axis=0))[::-1] / 2
         ),
-        "This is the centre of the whole array: count only pixels that are not 0.": (
+        "This is the centre of the whole array: count only nonzero pixels.": (
             lambda mask: ((mask.shape[1] - 1) / 2, (mask.shape[0] - 1) / 2)
         ),
     },
 )
 def centroid(mask):
-    """Return the mean position (u, v) of the pixels that are not 0 in a mask of shape (H, W)."""
+    """Return the mean position (u, v) of the nonzero pixels of a mask of shape (H, W)."""
     rows, columns = np.nonzero(mask)
     return columns.mean(), rows.mean()
 

@@ -25,7 +25,7 @@ def mean_of(u, newer, older, part):
             )
         ),
         "This rounds the delay: it need not be whole.": lambda u, k, delay: u[k - round(delay)],
-        "The other input is the one before, not the one after.": lambda u, k, delay: mean_of(
+        "The other input is the previous one, not the next.": lambda u, k, delay: mean_of(
             u, k - int(delay), k - int(delay) + 1, delay - int(delay)
         ),
         "This is the plain mean of both inputs: weigh them by their times.": (
@@ -64,10 +64,10 @@ def backwards(pose, pose_before, inputs):
 @exercise(
     cases=poses_and_inputs,
     tolerance=1e-6,
-    hint="After a step, which pose is the one before? Both arguments change from step to step.",
+    hint="Which pose is the previous one after a step? Both arguments change from step to step.",
     mistakes={
-        "The pose before stays the same in your loop: it must follow.": never_before,
-        "The model gets the last pose first, then the one before it.": exchanged,
+        "The previous pose stays the same in your loop: it must follow.": never_before,
+        "The model gets the last pose first, then the previous one.": exchanged,
         "The inputs come in the order in which they act: begin with the first.": backwards,
         "This is one step: repeat it for each of the inputs.": (
             lambda pose, pose_before, inputs: MODEL.predict(pose, pose_before, inputs[0])

@@ -1,4 +1,4 @@
-"""An assignment made of a notebook: its exercises, checked with numbers that nobody knows."""
+"""An assignment made of a notebook: its exercises, checked with secret numbers."""
 
 from __future__ import annotations
 

@@ -73,6 +73,10 @@ class Exercise:
             check_callable(f"mistakes[{quoted(sentence)}]", wrong)
         check_float("tolerance", self.tolerance, minimum=0)
 
+    def __call__(self, *arguments: Any) -> Any:
+        """Return the result of the right answer, for other answers that build on it."""
+        return self.right(*arguments)
+
     @property
     def name(self) -> str:
         """The name of the function."""
