@@ -43,13 +43,13 @@ def factors_at(heading):
         "Cosine belongs to x, sine to y.": lambda p1, p2, u: rows(
             p1, p2, u, unwrapped(p1, p2), (math.sin(p1[2]), math.cos(p1[2]), 1.0)
         ),
-        "The factor has the heading of the last step, not of the step before it.": (
+        "The factor has the heading of step k - 1, not of step k - 2.": (
             lambda p1, p2, u: rows(p1, p2, u, unwrapped(p1, p2), factors_at(p2[2]))
         ),
         "The heading itself has no cosine or sine: its factor is 1.": lambda p1, p2, u: rows(
             p1, p2, u, unwrapped(p1, p2), (math.cos(p1[2]), math.sin(p1[2]), math.cos(p1[2]))
         ),
-        "The last column is the same factor as that of the inputs, not 1.": lambda p1, p2, u: [
+        "The last column is the factor of the inputs, not 1.": lambda p1, p2, u: [
             (*row[:4], 1.0) for row in rows(p1, p2, u, unwrapped(p1, p2), factors_at(p1[2]))
         ],
         "The inputs of the axes X and Y lack their factor.": lambda p1, p2, u: [

@@ -1,0 +1,178 @@
+"""The answers of the notebook 14_particle_filter, and mistakes that students make."""
+
+import numpy as np
+
+import robsim
+from robsim.teach.exercises.exercise import exercise
+
+
+def cloud(rng, n=12):
+    """Return particles whose headings lie on both sides of pi, and a pose among them."""
+    pose = np.array((*rng.uniform(200, 900, 2), rng.choice((3.05, -3.05))))
+    particles = pose + rng.normal(size=(n, 3)) * (3, 3, 0.2)
+    particles[:, 2] = robsim.wrap_angle(particles[:, 2])
+    return particles, pose
+
+
+def cloud_and_sigma(rng):
+    return *cloud(rng), rng.uniform((2, 2, 0.05), (4, 4, 0.1))
+
+
+def far_and_sigma(rng):
+    """Return a cloud that is far from the measurement in every second case."""
+    particles, pose, sigma = cloud_and_sigma(rng)
+    return particles, pose + rng.integers(2) * np.array((300.0, 0, 0)), sigma
+
+
+def normalised(exponents):
+    weights = np.exp(exponents - exponents.max())
+    return weights / weights.sum()
+
+
+def errors_of(particles, z, wrapped=True):
+    errors = z - particles
+    if wrapped:
+        errors[:, 2] = robsim.wrap_angle(errors[:, 2])
+    return errors
+
+
+def without_shift(particles, z, sigma):
+    weights = np.exp(-0.5 * ((errors_of(particles, z) / sigma) ** 2).sum(axis=1))
+    with np.errstate(invalid="ignore"):
+        return weights / weights.sum()
+
+
+@exercise(
+    cases=far_and_sigma,
+    hint="Errors (N, 3), exponents (N,), weights (N,): one line for each. What do far ones need?",
+    mistakes={
+        "All weights of far particles are 0: subtract the largest exponent first.": without_shift,
+        "Wrap the error of the heading.": lambda particles, z, sigma: normalised(
+            -0.5 * ((errors_of(particles, z, wrapped=False) / sigma) ** 2).sum(axis=1)
+        ),
+        "The exponent has a factor of 1/2.": lambda particles, z, sigma: normalised(
+            -((errors_of(particles, z) / sigma) ** 2).sum(axis=1)
+        ),
+        "The errors are divided by sigma before they are squared.": (
+            lambda particles, z, sigma: normalised(
+                -0.5 * (errors_of(particles, z) ** 2 / sigma).sum(axis=1)
+            )
+        ),
+        "The sum of all weights must be 1.": lambda particles, z, sigma: (
+            normalised(-0.5 * ((errors_of(particles, z) / sigma) ** 2).sum(axis=1))
+            / normalised(-0.5 * ((errors_of(particles, z) / sigma) ** 2).sum(axis=1)).max()
+        ),
+        "The exponent is negative: near particles are the likely ones.": (
+            lambda particles, z, sigma: normalised(
+                0.5 * ((errors_of(particles, z) / sigma) ** 2).sum(axis=1)
+            )
+        ),
+    },
+)
+def weights_of(particles, z, sigma):
+    """Return the weights (N,), with the sum 1, of particles (N, 3) for a measured pose z (3,)."""
+    errors = z - particles
+    errors[:, 2] = robsim.wrap_angle(errors[:, 2])
+    exponents = -0.5 * ((errors / sigma) ** 2).sum(axis=1)
+    weights = np.exp(exponents - exponents.max())
+    return weights / weights.sum()
+
+
+def some_weights(rng):
+    weights = rng.random(10) ** 4
+    return (weights / weights.sum(),)
+
+
+@exercise(
+    cases=some_weights,
+    hint="Try your function on four weights of 1/4, and on 1, 0, 0, 0.",
+    mistakes={
+        "Square the weights, then add them.": lambda weights: 1 / weights.sum() ** 2,
+        "This is the sum of squares: the effective number is 1 divided by it.": (
+            lambda weights: (weights**2).sum()
+        ),
+        "This counts particles: the weights matter.": lambda weights: len(weights),
+        "Add the squares of all weights, not the largest alone.": (
+            lambda weights: 1 / weights.max() ** 2
+        ),
+        "There is no root in it.": lambda weights: 1 / np.sqrt((weights**2).sum()),
+    },
+)
+def effective_number(weights):
+    """Return the effective number of particles."""
+    return 1 / (weights**2).sum()
+
+
+def weights_and_start(rng):
+    return *some_weights(rng), rng.uniform(0.1, 0.9)
+
+
+@exercise(
+    cases=weights_and_start,
+    hint="Where on the line does each weight end? Which end is the first beyond a point?",
+    mistakes={
+        "The points lie 1 / N apart on a line of length 1: divide them by N.": (
+            lambda weights, start: np.minimum(
+                np.searchsorted(np.cumsum(weights), start + np.arange(len(weights))),
+                len(weights) - 1,
+            )
+        ),
+        "The weights stand one after the other on the line: np.cumsum.": (
+            lambda weights, start: np.searchsorted(
+                weights, (start + np.arange(len(weights))) / len(weights)
+            )
+        ),
+        "One start shifts all points: all have the same distance.": (
+            lambda weights, start: np.searchsorted(
+                np.cumsum(weights), start * np.arange(len(weights)) / len(weights)
+            )
+        ),
+        "These are the heaviest ones: each particle gets copies as its weight says.": (
+            lambda weights, start: np.argsort(weights)[::-1]
+        ),
+        "These are the points: return the indices of the particles there.": (
+            lambda weights, start: (start + np.arange(len(weights))) / len(weights)
+        ),
+    },
+)
+def chosen(weights, start):
+    """Return the indices (N,) that systematic resampling chooses, for a start from 0 to 1."""
+    points = (start + np.arange(len(weights))) / len(weights)
+    return np.searchsorted(np.cumsum(weights), points)
+
+
+def weighted_cloud(rng):
+    particles, _ = cloud(rng)
+    return particles, rng.dirichlet(np.ones(len(particles)))
+
+
+@exercise(
+    cases=weighted_cloud,
+    tolerance=1e-7,
+    hint="Errors from the first particle, wrapped, are small numbers with an ordinary mean.",
+    mistakes={
+        "The mean of angles near pi and -pi is not near 0: average wrapped errors.": (
+            lambda particles, weights: weights @ particles
+        ),
+        "The weights are missing: this is the plain mean.": (
+            lambda particles, weights: mean_pose(particles, 0 * weights + 1 / len(weights))
+        ),
+        "The most likely particle alone is no mean.": (
+            lambda particles, weights: particles[weights.argmax()]
+        ),
+        "The heading leaves the interval from -pi to pi: wrap it at the end.": (
+            lambda particles, weights: (
+                weights @ np.column_stack((particles[:, :2], particles[:, 2] % (2 * np.pi)))
+            )
+        ),
+        "This is the sum: the weights have the sum 1 already, or divide by N without them.": (
+            lambda particles, weights: particles.sum(axis=0)
+        ),
+    },
+)
+def mean_pose(particles, weights):
+    """Return the weighted mean pose (3,) of particles (N, 3), its heading from -pi to pi."""
+    errors = particles - particles[0]
+    errors[:, 2] = robsim.wrap_angle(errors[:, 2])
+    x, y, heading = particles[0] + weights @ errors
+    return x, y, robsim.wrap_angle(heading)
