@@ -71,6 +71,24 @@ def test_stages_are_told_as_they_come(clock):
         browser.take("state", animate=False, state="running")
 
 
+def test_reset_keeps_the_steps_before_it(monkeypatch, tmp_path):
+    with panel_of(simulation()) as (view, browser):
+        browser.press("reset")  # nothing to keep
+        browser.press("step")
+        browser.take("state", steps=1)
+        trace = view.record.trace
+        browser.press("reset")
+        said = browser.take("note", level="info")[0]["text"]
+        file = said.removeprefix("The previous run is in ")
+        np.testing.assert_array_equal(robsim.Trace.load(file).pose_true, trace.pose_true)
+        monkeypatch.setenv("ROBSIM_DATA", str(tmp_path))
+        (tmp_path / "runs").touch()
+        browser.press("step")
+        browser.take("state", steps=1)
+        browser.press("reset")
+        assert "could not be saved" in browser.take("note", level="error")[0]["text"]
+
+
 def test_the_end_of_the_frames_is_told_kindly():
     cases = [(frames(2), "start", "Reset"), (iter(frames(2)), "reset", "once")]
     for source, pressed, said in cases:

@@ -13,11 +13,14 @@ from typing import TYPE_CHECKING, Any
 from robsim._core import Step
 from robsim.base.source_line import SourceLine
 from robsim.base.text import printable, said_by
+from robsim.gui._driver import Playback
 from robsim.gui._link import Link, Refused
+from robsim.gui.kept_runs import keep
 from robsim.gui.panels.part import Handlers, Part
 from robsim.simulation import Experiment
 from robsim.simulation.callbacks.errors import callback_of, traceback_line
 from robsim.simulation.slots import AT_START, SLOTS
+from robsim.trace import Trace
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
@@ -187,7 +190,7 @@ class Transport(Part):
             "pause": driver.pause,
             "step": driver.step,
             "step_stage": driver.step_stage,
-            "reset": driver.reset,
+            "reset": self._reset,
             "finish": self.panel.finish,
         }
         if button not in buttons:
@@ -195,6 +198,24 @@ class Transport(Part):
         done = buttons[button]()
         if done is not None:
             done.add_done_callback(self._tell_failure)
+
+    def _reset(self) -> Future[None]:
+        before = self.panel.driver.call(lambda: self.panel.record.trace)
+        done = self.panel.driver.reset()
+        if not isinstance(self.panel.runner, Playback):
+            done.add_done_callback(lambda _: self._keep(before, done))
+        return done
+
+    def _keep(self, before: Future[Trace], reset: Future[None]) -> None:
+        """Save the run that was reset."""
+        if reset.cancelled() or reset.exception() or not len(before.result()):
+            return
+        try:
+            file = keep(".npz", before.result().save)
+        except (OSError, MemoryError) as error:
+            self.panel.note(f"The previous run could not be saved: {error}")
+        else:
+            self.panel.note(f"The previous run is in {file}", "info")
 
     def _stop(self) -> None:
         """Stop the robot here and now: the thread of the run may hang in a callback.
