@@ -203,6 +203,11 @@ def test_corners_are_dragged_put_on_edges_and_removed(mouse):
     wait_for(lambda: np.allclose(mouse.drawing.sketch.markers["red"][0], moved, atol=1.5))
     mouse.tab.keyboard.press("Control+z")
     wait_for(lambda: np.array_equal(mouse.drawing.sketch.markers["red"], before))
+    mouse.click(corner)
+    mouse.tab.keyboard.press("ArrowRight")  # of the screen: the picture is turned by 90 degrees
+    wait_for(lambda: np.allclose(mouse.drawing.sketch.markers["red"][0] - corner, (0, -1)))
+    mouse.tab.keyboard.press("Control+z")
+    wait_for(lambda: np.array_equal(mouse.drawing.sketch.markers["red"], before))
     middle = before.mean(axis=0)
     mouse.click(middle)
     wait_for(lambda: len(mouse.drawing.sketch.markers["red"]) == len(before) + 1)

@@ -42,21 +42,23 @@ class ToolMouse:
         wait_for(lambda: tool._view.picture is not None)
 
     def _measured(self):
-        """Return where the picture begins on the screen, and its scale."""
-        height, width = self.tool._view.picture.frame.image.shape[:2]
+        """Return the size of the picture, its rotation (2, 2), its middle, its scale."""
+        size = np.array(self.tool._view.picture.frame.image.shape[1::-1])
+        turned = np.radians(self.tool._view.state().get("turned", 0))
+        rotation = np.array([[np.cos(turned), -np.sin(turned)], [np.sin(turned), np.cos(turned)]])
         box = self.canvas.bounding_box()
-        scale = min(box["width"] / width, box["height"] / height)
-        margins = (box["width"] - scale * width) / 2, (box["height"] - scale * height) / 2
-        return np.array((box["x"], box["y"])) + margins, scale
+        shown = np.array((box["width"], box["height"]))
+        scale = min(shown / (np.abs(rotation) @ size))
+        return size, rotation, np.array((box["x"], box["y"])) + shown / 2, scale
 
     @property
     def scale(self):
-        return self._measured()[1]
+        return self._measured()[3]
 
     def at(self, point):
         """Return the place on the screen of a pixel."""
-        corner, scale = self._measured()
-        return (corner + scale * (np.array(point, float) + 0.5)).tolist()
+        size, rotation, middle, scale = self._measured()
+        return (middle + scale * rotation @ (np.array(point, float) + 0.5 - size / 2)).tolist()
 
     def click(self, point):
         self.tab.mouse.click(*self.at(point))

@@ -11,12 +11,16 @@ const MOST_ZOOM = 20; // times
 
 /**
  * Show the picture of `context.frame`. The owner gives `label`, a name in the texts, and the
- * `hands` on it, see hands.js, an array that may still grow.
+ * `hands` on it, see hands.js, an array that may still grow. `state.turned` turns it (degrees,
+ * clockwise), but not under a hand that holds something.
  */
 export function makePicture(context, { label, hands }) {
   const canvas = make("canvas", { tabIndex: 0, role: "application", ariaLabel: text(label) });
   const lens = makeLens();
-  const paint = () => paintPicture(context, { canvas, lens, draw: handed.draw });
+  const paint = () => {
+    if (!handed.isHeld()) lens.turn(((context.state.turned ?? 0) * Math.PI) / 180);
+    paintPicture(context, { canvas, lens, draw: handed.draw });
+  };
   const later = painter(paint);
   const widths = makeWidthTeller(context, () => shownWidth(context, canvas, lens));
 
@@ -59,7 +63,7 @@ function paintPicture(context, { canvas, lens, draw }) {
   const { frame, setup } = context;
   if (!frame?.picture || !setup) return;
   lens.fit([canvas.width, canvas.height], frame.size);
-  const [width, height] = frame.size.map((side) => side * lens.scale);
+  const [width, height] = lens.size.map((side) => side * lens.scale);
   pen.imageSmoothingEnabled = width < COARSE_PIXELS * frame.picture.width;
   drawWhole(pen, frame, lens);
   pen.save();
@@ -72,9 +76,13 @@ function paintPicture(context, { canvas, lens, draw }) {
 }
 
 /** Draw the picture, of which each pixel is some whole number of the camera's, without a rest. */
-function drawWhole(pen, { picture, size }, { left, top, scale }) {
+function drawWhole(pen, { picture, size }, { toCanvas, angle, scale }) {
   const side = Math.floor(size[0] / picture.width) * scale;
-  pen.drawImage(picture, left, top, picture.width * side, picture.height * side);
+  pen.save();
+  pen.translate(...toCanvas([-0.5, -0.5]));
+  pen.rotate(angle);
+  pen.drawImage(picture, 0, 0, picture.width * side, picture.height * side);
+  pen.restore();
 }
 
 /** How wide the picture is on the screen, in device pixels; no wider than the camera's. */
@@ -106,20 +114,22 @@ function makeWidthTeller(context, width) {
 
 /**
  * Where the camera's pixels, counted at their centres, lie on the canvas, which has device pixels:
- * letterboxed, zoomed, moved.
+ * letterboxed, zoomed, moved, turned.
  */
 function makeLens() {
-  const lens = { zoom: 1, scale: 1, left: 0, top: 0 };
+  const lens = { zoom: 1, scale: 1, left: 0, top: 0, angle: 0, size: [1, 1] }; // of it turned
   let box = [1, 1]; // of the canvas
-  let size = [1, 1]; // of the picture
+  let own = [1, 1]; // size of the picture
+  let [cos, sin] = [1, 0];
   let middle = [0.5, 0.5]; // what of the picture is in the middle, as parts of it
 
   const hold = (i, zoomed) => {
     // half of what there is room for
-    const shown = Math.min(box[i] / zoomed, size[i]) / size[i] / 2;
+    const shown = Math.min(box[i] / zoomed, lens.size[i]) / lens.size[i] / 2;
     return Math.min(Math.max(middle[i], shown), 1 - shown);
   };
   const place = () => {
+    const { size } = lens;
     lens.scale = lens.zoom * Math.min(box[0] / size[0], box[1] / size[1]);
     middle = [hold(0, lens.scale), hold(1, lens.scale)];
     lens.left = Math.round(box[0] / 2 - middle[0] * size[0] * lens.scale);
@@ -127,20 +137,37 @@ function makeLens() {
   };
 
   lens.fit = (newBox, newSize) => {
-    [box, size] = [newBox, newSize];
+    [box, own] = [newBox, newSize];
+    const [width, height] = own;
+    const [c, s] = [Math.abs(cos), Math.abs(sin)];
+    lens.size = [width * c + height * s, width * s + height * c];
     place();
   };
-  lens.toCanvas = ([u, v]) =>
-    [lens.left + (u + 0.5) * lens.scale, lens.top + (v + 0.5) * lens.scale];
-  lens.toPixel = ([x, y]) =>
-    [(x - lens.left) / lens.scale - 0.5, (y - lens.top) / lens.scale - 0.5];
+  lens.turn = (angle) => {
+    lens.angle = angle;
+    [cos, sin] = [Math.cos(angle), Math.sin(angle)].map((part) => Number(part.toFixed(12)));
+  };
+  lens.toCanvas = ([u, v]) => {
+    const [right, down] = [u + 0.5 - own[0] / 2, v + 0.5 - own[1] / 2]; // of the middle
+    const [x, y] = [right * cos - down * sin, right * sin + down * cos];
+    return [lens.left + (x + lens.size[0] / 2) * lens.scale,
+      lens.top + (y + lens.size[1] / 2) * lens.scale];
+  };
+  /** Return a step on the screen as one in the picture. */
+  lens.turnedBack = ([x, y]) => [x * cos + y * sin, y * cos - x * sin];
+  lens.toPixel = ([x, y]) => {
+    const place = [(x - lens.left) / lens.scale, (y - lens.top) / lens.scale];
+    const [right, down] = lens.turnedBack(place.map((at, i) => at - lens.size[i] / 2));
+    return [right + own[0] / 2 - 0.5, down + own[1] / 2 - 0.5];
+  };
   lens.holds = ([x, y]) => {
     const [u, v] = lens.toPixel([x, y]);
-    return u >= -0.5 && v >= -0.5 && u < size[0] - 0.5 && v < size[1] - 0.5;
+    return u >= -0.5 && v >= -0.5 && u < own[0] - 0.5 && v < own[1] - 0.5;
   };
 
   /** Move the picture by so many pixels of the canvas. */
   lens.move = ([dx, dy]) => {
+    const { size } = lens;
     middle = [middle[0] - dx / (lens.scale * size[0]), middle[1] - dy / (lens.scale * size[1])];
     place();
   };

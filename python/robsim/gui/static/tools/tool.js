@@ -100,7 +100,7 @@ function makeFilm(context) {
   const show = () => {
     const { setup, state } = context;
     if (!setup) return;
-    freeze.hidden = !setup.is_live;
+    freeze.hidden = !setup.is_live || Boolean(state.mode); // Capture keeps a picture there
     freeze.setAttribute("aria-pressed", String(Boolean(state.frozen)));
     slider.hidden = !(setup.count > 1);
     slider.max = String(Math.max((setup.count ?? 1) - 1, 1));

@@ -137,6 +137,7 @@ class RobotsView(ToolView):
             "inks": self._inks(),
             "centre": sketch.middle.tolist(),
             "alignment": sketch.alignment,
+            "turned": sketch.alignment if self.is_frozen else 0.0,
             "size": sketch.size,
             "problems": sketch.problems(),
         }

@@ -57,8 +57,9 @@ export function makePolygons(context, picture) {
     },
     key: (event) => {
       if (event.key == "Delete" || event.key == "Backspace") return cut();
-      const [step, corner] = [arrowStep(event), corners()[chosen]];
-      if (!step || !corner) return false;
+      const [pressed, corner] = [arrowStep(event), corners()[chosen]];
+      if (!pressed || !corner) return false;
+      const step = picture.lens.turnedBack(pressed);
       moveCorner(chosen, [corner[0] + step[0], corner[1] + step[1]], false);
       return true;
     },
