@@ -56,6 +56,8 @@ def test_a_card_opens_its_panel_on_the_same_page_and_the_way_back_keeps_it(start
         client.say(type="resume")
         client.hear("moved")
         assert kind_of(page) == "panel"
+    with Client(page, path=f"/{page.secret}/socket?kind=start") as away:  # when the page moved
+        away.hear("moved")
     assert start.panel is first
     start._open_card("task")
     assert (first.state, start.panel.state) == ("closed", "paused")

@@ -219,6 +219,8 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._link = PageLink(self, asyncio.get_running_loop())
         self._host.came(self)
         self._view.connect(self._link)
+        if self.get_query_argument("kind", self._view.kind) != self._view.kind:
+            self._link.send({"type": "moved"})  # the page was away when it did
 
     def cut(self) -> None:
         """Close the line at once, without a word."""

@@ -52,7 +52,7 @@ function modelOf(socket) {
 }
 
 function open() {
-  const socket = new WebSocket(new URL("socket", location.href.replace("http", "ws")));
+  const socket = new WebSocket(new URL(`socket?kind=${document.body.dataset.kind}`, location.href.replace("http", "ws")));
   socket.binaryType = "arraybuffer";
   return socket;
 }
