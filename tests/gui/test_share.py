@@ -121,6 +121,15 @@ def test_a_file_that_comes_during_the_run_goes_with_it(folder, tmp_path):
             )
 
 
+def test_callbacks_in_another_encoding_are_named_and_the_run_is_still_shared(folder):
+    source = "# coding: latin-1\n# \u00e4\ndef control(step):\n    return 0.1, 0.2\n"
+    (folder / "control.py").write_bytes(source.encode("latin-1"))
+    with robsim.panel(robsim.Simulation.from_folder(folder, **SMALL)) as panel:
+        steps(panel, 2)
+        head, _, _ = shared(panel)
+    assert (head["name"], head["lacks"]) == ("run.npz", "control.py is not in UTF-8")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["cell", "option", "camera", "mine", "replaced", "long"])
 def test_what_cannot_be_run_again_is_a_recording(how, tmp_path, monkeypatch):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -40,7 +40,8 @@ class Share(Part):
         if isinstance(runner := panel.runner, Simulation):
             self._unknown |= {*runner._changed}
             self._start, self._known = runner.scenario, _told(runner)
-            self._files = self._first_files = _files(runner)
+            self._files = _files(runner)
+            self._first_files = self._texts(self._files)
             may_fill = runner._folder._slots if runner._folder is not None else ()
             self._slots = [slot for slot in may_fill if runner._given[slot] in (None, True)]
             self._compare(runner)
@@ -70,13 +71,22 @@ class Share(Part):
         self._taken = n_resets, runner.n_steps
         if isinstance(runner, Simulation) and (files := _files(runner)) is not self._files:
             self._files = files
-            self._add(k, "world", _texts(files))
+            self._add(k, "world", self._texts(files))
 
     def _add(self, k: int, stage: str, what: dict[str, Any]) -> None:
         if len(self._changes) < _MOST_CHANGES:
             self._changes.append((self.panel.record.n_resets, k, stage, what))
         else:
             self._unknown.add("more changes than are kept")
+
+    def _texts(self, files: Mapping[str, bytes]) -> dict[str, str]:
+        texts = {}
+        for name, source in files.items():
+            try:
+                texts[name] = source.decode()
+            except UnicodeDecodeError:
+                self._unknown.add(f"{name}.py is not in UTF-8")
+        return texts
 
     def _compare(self, runner: Simulation) -> None:
         """Note changes since the last one of the panel."""
@@ -119,7 +129,7 @@ class Share(Part):
         return ReplayFile(
             scenario=self._start.to_toml(),
             slots=self._slots,
-            files=_texts(self._first_files),
+            files=self._first_files,
             changes=changes,
             steps=record.n_steps,
             digest=digest_of(record.columns()),
@@ -202,12 +212,8 @@ def _is_open(runner: Simulation, slot: str) -> bool:
     return slot in runner._from_folder and runner._given[slot] in (None, True)
 
 
-def _files(runner: Simulation) -> Any:
+def _files(runner: Simulation) -> Mapping[str, bytes]:
     return runner._folder.sources if runner._folder is not None else _NO_FILES
 
 
-_NO_FILES: dict[str, bytes] = {}
-
-
-def _texts(files: Any) -> dict[str, str]:
-    return {name: text.decode("utf-8", "replace") for name, text in files.items()}
+_NO_FILES: Mapping[str, bytes] = {}
