@@ -39,64 +39,62 @@ function remarkOf({ state: { state, stopped }, setup }) {
 
 /** The error of a callback: whose, where, in which step, the line; the traceback on demand. */
 function makeError(context, press) {
-  const title = make("strong");
   const words = make("p.robsim-error-text");
-  const place = make("span.robsim-code.robsim-quiet");
-  const code = make("pre.robsim-code.robsim-error-code");
   const traceback = make("pre.robsim-code.robsim-error-traceback");
   const details = make("details", make("summary", text("traceback")), traceback);
   const edit = makeButton("edit", "", () => context.send({ type: "edit", slot: edit.value }));
   const jump = makeButton("to_callbacks", "", () => context.choose("tab", "callbacks"));
   const again = makeButton("go_on", "robsim-primary", () => press("start"));
-  const element = make("section.robsim-error.robsim-surface.robsim-afloat.robsim-column",
-    { role: "alert", hidden: true },
-    make("div.robsim-error-title.robsim-row", icon("warning"), title, place),
-    words, code, details, make("div.robsim-error-buttons", again, jump, edit));
+  const card = makeCard(words, details, again, jump, edit);
+  card.element.role = "alert";
   let slots = [];
   context.on("callbacks", (head) => (slots = head.slots));
 
   const show = (what) => {
-    element.hidden = what == null;
-    if (what == null) return;
-    const { slot, k, text: message, file, line, code: source } = what;
+    const { slot = null, k, text: message, traceback: whole } = what ?? {};
     const failed = k == null ? "error.title.once" : "error.title";
-    title.textContent = slot ? text(failed, { slot, k }) : text("error");
+    card.show(what, slot ? text(failed, { slot, k }) : text("error"));
     words.textContent = message;
-    place.textContent = file ? text("file.line", { file: file.split(/[\\/]/).pop(), line }) : "";
-    place.title = file ?? "";
-    code.textContent = (source ?? "").trim();
-    code.hidden = !source;
-    traceback.textContent = what.traceback ?? "";
-    details.hidden = !what.traceback;
+    traceback.textContent = whole ?? "";
+    details.hidden = !whole;
     edit.value = slot ?? "";
     edit.hidden = !slots.some((one) => one.slot == slot && one.can_edit);
     jump.hidden = !slot;
   };
-  return { element, show };
+  return { element: card.element, show };
 }
 
 /** A callback that does not end: which one, since when, where; a button ends it. */
 function makeStuck(press) {
+  const words = make("p.robsim-stuck-text", { role: "alert" }); // seconds are not said aloud
+  const end = makeButton("end", "robsim-primary", () => press("end"));
+  const card = makeCard(words, "", end);
+  card.element.classList.add("robsim-stuck");
+  const show = (what) => {
+    card.show(what, what && text("stuck", what));
+    if (!what) return;
+    words.textContent = text(`stuck.${what.how}`, what);
+    end.hidden = what.how != "runs";
+  };
+  return { element: card.element, show };
+}
+
+/** A card over the picture: title, place in a file, words, that line, more, buttons. */
+function makeCard(words, more, ...buttons) {
   const title = make("strong");
   const place = make("span.robsim-code.robsim-quiet");
-  const words = make("p.robsim-stuck-text", { role: "alert" }); // seconds are not said aloud
   const code = make("pre.robsim-code.robsim-error-code");
-  const end = makeButton("end", "robsim-primary", () => press("end"));
-  const element = make("section.robsim-error.robsim-stuck.robsim-surface.robsim-afloat.robsim-column",
-    { hidden: true },
-    make("div.robsim-error-title.robsim-row", icon("warning"), title, place),
-    words, code, make("div.robsim-error-buttons", end));
-  const show = (what) => {
-    element.hidden = what == null;
-    if (what == null) return;
-    const { slot, seconds, limit, file, line, code: source, how } = what;
-    title.textContent = text("stuck", { slot, seconds });
-    words.textContent = text(`stuck.${how}`, { limit });
+  const element = make("section.robsim-error.robsim-surface.robsim-afloat.robsim-column",
+    { hidden: true }, make("div.robsim-error-title.robsim-row", icon("warning"), title, place),
+    words, code, more, make("div.robsim-error-buttons", ...buttons));
+  const show = (what, heading) => {
+    element.hidden = !what;
+    if (!what) return;
+    const { file, line, code: source } = what;
+    title.textContent = heading;
     place.textContent = file ? text("file.line", { file: file.split(/[\\/]/).pop(), line }) : "";
     place.title = file ?? "";
-    code.textContent = source ?? "";
-    code.hidden = !source;
-    end.hidden = how != "runs";
+    sayOrHide(code, (source ?? "").trim());
   };
   return { element, show };
 }
