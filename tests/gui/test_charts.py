@@ -256,9 +256,9 @@ def test_ghosts_are_read_off_and_the_nees_has_a_meter(show):
         [{"type": "reference"}],
         [{"type": "drop_ghost", "name": "mine"}],
     ]
-    told = {"mean": 9.0, "n": 30, "band": [2.2, 3.9], "wide": [1.7, 4.6], "level": "bad"}
+    told = {"mean": 9.0, "n": 30, "band": [2.2, 3.9], "verdict": "optimistic"}
     statistics = {"type": "statistics", "first": 0, "last": 299, "errors": []}
-    host.emit({**statistics, "nees": {**told, "verdict": "optimistic"}})
+    host.emit({**statistics, "nees": told})
     meter = host.tab.get_by_role("meter")
     assert meter.get_attribute("aria-valuenow") == "9"
     host.emit({**statistics, "nees": None})

@@ -92,7 +92,6 @@ class Summary(Part):
 
 _NEES_STEPS = 300
 _NEES_GAP = 10  # steps, after which errors are taken to be independent
-_NEES_LEVELS = (0.95, 0.999)  # of the bands: outside of the first a warning, above both bad
 
 _NAMES = (("x", "px", 1.0), ("y", "px", 1.0), ("heading", "deg", math.degrees(1.0)))
 
@@ -129,17 +128,10 @@ def nees_of(trace: Trace) -> dict[str, Any] | None:
     known = values[np.isfinite(values)]
     if not len(known):
         return None
-    band, wide = (chi_square_band(3, runs=len(known), level=level) for level in _NEES_LEVELS)
+    low, high = chi_square_band(3, runs=len(known)).tolist()
     mean = float(known.mean())
-    inside = [low <= mean <= high for low, high in (band, wide)]
-    return {
-        "mean": mean,
-        "n": len(known),
-        "band": band.tolist(),
-        "wide": wide.tolist(),
-        "level": "good" if inside[0] else "warning" if inside[1] or mean < 3 else "bad",
-        "verdict": "consistent" if inside[0] else "optimistic" if mean > 3 else "conservative",
-    }
+    verdict = "optimistic" if mean > high else "conservative" if mean < low else "consistent"
+    return {"mean": mean, "n": len(known), "band": [low, high], "verdict": verdict}
 
 
 def longest_valid(trace: Trace) -> slice:
