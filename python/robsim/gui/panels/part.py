@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from robsim._core import Step
+from robsim.base.text import said_by
 from robsim.gui._link import (
     COMMON,
     MAGNIFY,
@@ -66,6 +68,33 @@ class Part:
     def look(self, now: float) -> float:
         """Do what is due; return when to look again, by the monotonic clock."""
         return math.inf
+
+    def change(
+        self,
+        link: Link,
+        change: Callable[[], list[str]],
+        changed: Callable[[], None],
+        plain: tuple[type[Exception], ...] = (Refused,),
+        **where: Any,
+    ) -> None:
+        """Change something between two steps, say what came of it, and call `changed`.
+
+        An error is a note with the fields `where`; `plain` ones need no name of their class.
+        """
+
+        def done(future: Future[list[str]]) -> None:
+            if future.cancelled():  # the panel is being closed
+                return
+            if (error := future.exception()) is not None:
+                text = str(error) if isinstance(error, plain) else said_by(error)
+                link.send({"type": "note", "level": "error", "text": text, **where})
+            changed()
+            for remark in () if error else future.result():
+                link.send({"type": "note", "level": "info", "text": remark})
+
+        self.panel.check_room()
+        future = self.panel.driver.call(change)
+        future.add_done_callback(lambda future: self.panel.post(lambda: done(future)))
 
     def close(self, timeout: float) -> None:
         """Wait for what is computed or drawn for it (s), once the view has ended; any thread."""

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from robsim.base.checks import Floats
-from robsim.base.text import said_by
 from robsim.gui._driver import Playback
 from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
@@ -107,7 +105,6 @@ class Controls(Part):
 
     def _do(self, link: Link, message: dict[str, Any], change: Callable[[], Remarks]) -> None:
         """Change something between two steps, and tell what came of it."""
-        self.panel.check_room()
 
         def change_all() -> Remarks:
             remarks = change()
@@ -115,19 +112,9 @@ class Controls(Part):
                 self._run.stages.tune()
             return remarks
 
-        share = self.panel.share
-        future = self.panel.driver.call(lambda: share.noted(message, change_all))
-        future.add_done_callback(lambda done: self.panel.post(lambda: self._done(link, done)))
+        self.change(link, lambda: self.panel.share.noted(message, change_all), self._changed)
 
-    def _done(self, link: Link, future: Future[Remarks]) -> None:
-        if future.cancelled():  # the panel is being closed
-            return
-        if (error := future.exception()) is not None:
-            text = str(error) if isinstance(error, Refused) else said_by(error)
-            link.send({"type": "note", "level": "error", "text": text})
-        else:
-            for remark in future.result():
-                link.send({"type": "note", "level": "info", "text": remark})
+    def _changed(self) -> None:
         self._state_told = {}  # the view shows what it has asked for, which may not be
         self._tell_changes()
 

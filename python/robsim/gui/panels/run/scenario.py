@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
-from robsim.base.text import said_by
 from robsim.gui._link import Link, Refused
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.record import RunRecord
@@ -27,6 +25,7 @@ if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 
 _GAP = 0.5  # s between two looks at changes from elsewhere
+_PLAIN = (Refused, TypeError, ValueError, OverflowError)  # errors in a value
 _VISION = ("robot", "colors", "markers")
 #: The options that may change between two steps.
 _LIVE = {name for name, row in OPTIONS.items() if row.is_live or name in _VISION or name in SLOTS}
@@ -112,22 +111,11 @@ class ScenarioOptions(Part):
 
     def _do(self, link: Link, name: str | None, change: Callable[[], Remarks]) -> None:
         """Change something between two steps; an error goes beside its field."""
-        self.panel.check_room()
+        self.change(link, change, self._changed, _PLAIN, option=name)
 
-        def done(future: Future[Remarks]) -> None:
-            if future.cancelled():
-                return
-            note = {"type": "note", "level": "error", "option": name}
-            if (error := future.exception()) is not None:
-                is_plain = isinstance(error, (Refused, TypeError, ValueError, OverflowError))
-                link.send(note | {"text": str(error) if is_plain else said_by(error)})
-            self.panel.send(self._message())
-            self.panel.tell_state()
-            for remark in () if error else future.result():
-                link.send({"type": "note", "level": "info", "text": remark})
-
-        future = self.panel.driver.call(change)
-        future.add_done_callback(lambda future: self.panel.post(lambda: done(future)))
+    def _changed(self) -> None:
+        self.panel.send(self._message())
+        self.panel.tell_state()
 
     # In the thread of the run.
 
