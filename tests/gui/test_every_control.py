@@ -321,7 +321,7 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     use_tools(mouse)
     # An error, notes and motors are not there. Only code of files has Edit. Options: their test.
     elsewhere = ".robsim-scenario, .robsim-error, .robsim-slot-error, .robsim-toasts, [name=stop]"
-    elsewhere += ", [name=home], .robsim-challenge *, [name=check], [name=ghost_file]"
+    elsewhere += ", [name=home], .robsim-challenge *, [name=check]"
     elsewhere += ", [name^=make_mine]"  # which writes files: test_callbacks_part
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 

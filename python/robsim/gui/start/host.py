@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from robsim.gui.hosted import HostedPanel
@@ -11,7 +12,6 @@ from robsim.gui.start.view import StartView
 
 if TYPE_CHECKING:
     from robsim.gui.facade import Panel
-    from robsim.gui.start.cards import Scene
 
 
 class Start(HostedPanel):
@@ -25,7 +25,7 @@ class Start(HostedPanel):
         self._view = StartView(self._open_card, self._resume, self._kept)
         self._panel: Panel | None = None
         self._has_ended = False
-        self._scene: Scene | None = None
+        self._held = ExitStack()  # the panel of a card, and its resources
         super().__init__()
 
     @property
@@ -48,11 +48,10 @@ class Start(HostedPanel):
 
     def _drop(self, timeout: float = 5.0) -> None:
         """Close the panel of a card, and its resources."""
-        panel, scene, self._panel, self._scene = self._panel, self._scene, None, None
+        panel, held, self._panel, self._held = self._panel, self._held, None, ExitStack()
         if panel is not None:
             panel._close(timeout)
-        if scene is not None:
-            scene.held.close()
+        held.close()
 
     def _open_card(self, card: str) -> None:
         from robsim.gui._driver import SPEED
@@ -64,7 +63,7 @@ class Start(HostedPanel):
         self._drop()
         scene = scene_of(card)
         panel = Panel(scene.what, SPEED if scene.task is None else 1.0, task=scene.task)
-        self._panel, self._scene = panel, scene
+        self._panel, self._held = panel, scene.held
         if self._has_ended:  # meanwhile
             self._drop()
             return

@@ -30,7 +30,7 @@ class StartView(View):
         return {**super().handlers(), "open": self._open, "resume": lambda *_: self._resume()}
 
     def tell(self, link: Link) -> None:
-        link.send({"type": "setup", "cards": CARDS, "kept": self._kept()})
+        link.send({"type": "setup", "kept": self._kept()})
         for head, pictures in self._films:
             link.send(head, pictures)
         self._film()

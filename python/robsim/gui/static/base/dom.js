@@ -51,6 +51,13 @@ export function painter(paint) {
   };
 }
 
+/** Let a file be chosen, and `take` it. */
+export function pickFile(accept, take) {
+  const input = make("input", { type: "file", accept });
+  input.onchange = () => take(input.files[0]);
+  input.click();
+}
+
 /** Whether this is the page of its own, not a notebook. */
 export const isPage = () => document.body.classList.contains("robsim-page");
 

@@ -1,6 +1,6 @@
 // Other runs that are kept beside this one: their buttons, and their curves in the charts.
 import { makeTextButton } from "../base/buttons.js";
-import { make, text } from "../base/dom.js";
+import { make, pickFile, text } from "../base/dom.js";
 import { makeSwatch } from "../base/icons.js";
 import { makeSender } from "../base/sender.js";
 import { Series } from "./series.js";
@@ -22,12 +22,10 @@ export function makeGhostControls(context) {
   const keep = makeTextButton("keep", "", () => context.send({ type: "keep" }));
   const sender = makeSender(context, (about) =>
     about?.why && context.emit("note", { level: "error", text: about.why }));
-  const file = make("input", { type: "file", accept: ".npz", hidden: true,
-    name: "ghost_file", onchange: () => file.files.length && sender.send(file.files[0]) });
-  const choices = { reference: () => context.send({ type: "reference" }), file: () => {
-    file.value = "";
-    file.click();
-  } };
+  const choices = {
+    reference: () => context.send({ type: "reference" }),
+    file: () => pickFile(".npz", sender.send),
+  };
   const option = (name) =>
     make("option", { value: name, textContent: text(`ghost.${name || "title"}`) });
   const select = make("select.robsim-select", {
@@ -52,5 +50,5 @@ export function makeGhostControls(context) {
   context.on("shown", () => (keep.disabled = context.last < 0));
   context.on("setup", ({ source }) => (select.options[1].hidden = source != "simulation"));
   renew();
-  return [keep, select, file, list];
+  return [keep, select, list];
 }

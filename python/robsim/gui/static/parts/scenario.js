@@ -1,6 +1,6 @@
 // All options of the simulated world: search, changes, files. Python describes each.
 import { makeButton, makeTextButton } from "../base/buttons.js";
-import { make, say, sayOrHide, text } from "../base/dom.js";
+import { make, pickFile, say, sayOrHide, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
 
 const MOST_BYTES = 700_000; // of a file, which goes in one message
@@ -219,11 +219,8 @@ function makeNumber(value, unit, label, put) {
 
 /** Let a file be chosen that is small enough. */
 function pick(context, accept, take) {
-  const input = make("input", { type: "file", accept });
-  input.onchange = () => {
-    const [file] = input.files;
+  pickFile(accept, (file) => {
     if (file.size <= MOST_BYTES) take(file);
     else context.emit("note", { level: "error", text: text("file_too_large", file) });
-  };
-  input.click();
+  });
 }
