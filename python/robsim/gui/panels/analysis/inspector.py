@@ -28,7 +28,6 @@ _CONTAINERS = (list, tuple, set, frozenset)
 _ROUNDED = ("number", "array", "object")  # kinds whose texts have numbers, not those of a user
 _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d*)?(?:e[-+]?\d+)?(?=j?(?![\w.]))")
 
-_MOST_CELLS = 12  # along a side of a table
 _LEAST_PIXELS, _MOST_PIXELS = 16, 480  # along a side of a picture
 
 
@@ -204,20 +203,15 @@ def _asked(value: Any, name: str) -> Any:
         return Missing(str(error))
 
 
-def table_of(value: Any) -> list[list[str]] | None:
-    """Return the texts of a small array of numbers (rows, columns); None for other values."""
-    if not _is_plane(value) or max(value.shape) > _MOST_CELLS:
-        return None
-    return [[_NUMBER.sub(_rounded, quoted(one)) for one in row] for row in value.tolist()]
-
-
 def picture_of(value: Any) -> tuple[dict[str, Any], bytes] | None:
     """Return the fields of the message for an array, and its picture (PNG); None for other values.
 
     Numbers are grey, from the smallest finite one to the largest. A large array is reduced.
     """
-    is_image = _is(value, np.ndarray) and value.dtype == np.uint8 and value.shape[2:] == (3,)
-    if not (is_image or _is_plane(value)) or min(value.shape[:2]) < _LEAST_PIXELS:
+    if not _is(value, np.ndarray) or value.ndim < 2 or min(value.shape[:2]) < _LEAST_PIXELS:
+        return None
+    is_image = value.dtype == np.uint8 and value.shape[2:] == (3,)
+    if not is_image and (value.ndim != 2 or value.dtype.kind not in "biuf"):
         return None
     step = -(-max(value.shape[:2]) // _MOST_PIXELS)
     pixels, ends = np.asarray(value)[::step, ::step], {}
@@ -230,12 +224,6 @@ def picture_of(value: Any) -> tuple[dict[str, Any], bytes] | None:
     out = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(pixels)).save(out, "PNG", compress_level=1)
     return {"size": [*value.shape[1::-1]], **ends}, out.getvalue()
-
-
-def _is_plane(value: Any) -> bool:
-    return (
-        _is(value, np.ndarray) and value.ndim == 2 and value.size > 0 and value.dtype.kind in "biuf"
-    )
 
 
 class Inspector(Part):
@@ -289,5 +277,5 @@ def _tell(link: Link, step: Step | None, path: list[str]) -> None:
         value = None
     k = None if step is None else step.k
     about, *picture = picture_of(value) or (None,)
-    head = {"type": "tree", "k": k, "path": path, "nodes": nodes}
-    link.send({**head, "table": table_of(value), "picture": about}, picture)
+    head = {"type": "tree", "k": k, "path": path, "nodes": nodes, "picture": about}
+    link.send(head, picture)

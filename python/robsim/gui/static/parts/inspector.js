@@ -27,10 +27,10 @@ export function makeInspector(context) {
       tree.opened().forEach(send);
     }, Math.max(0, asked + ASK_GAP - performance.now()));
   };
-  context.on("tree", ({ k, path, nodes, table, picture }, buffers) => {
+  context.on("tree", ({ k, path, nodes, picture }, buffers) => {
     step.textContent = k == null || k < 0 ? text("inspector.start") : text("inspector.step", { k });
     tree.fill(path, nodes);
-    tree.showArray(path, table, picture, buffers?.[0]);
+    tree.showArray(path, picture, buffers?.[0]);
   });
   context.on("frame state looking", ask);
   context.on("local", (name) => name == "tab" && requestAnimationFrame(ask)); // when it is shown
@@ -138,14 +138,9 @@ function makeTreeItem(path, python) {
   return Object.assign(item, { path, python, line, array, list });
 }
 
-/** Show an array as a table, if it is small, or as a picture, above its rows. */
-async function fillArray({ array, python }, table, picture, buffer) {
-  array.hidden = !table && !picture;
-  if (table) {
-    const rows = table.map((row) =>
-      make("tr", ...row.map((number) => make("td.robsim-number", number))));
-    array.replaceChildren(make("table.robsim-code", ...rows));
-  }
+/** Show an array that is large enough as a picture, above its rows. */
+async function fillArray({ array, python }, picture, buffer) {
+  array.hidden = !picture;
   if (!picture) return;
   const image = await asPicture(buffer, "image/png");
   const old = array.querySelector("canvas");
