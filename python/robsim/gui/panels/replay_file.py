@@ -20,7 +20,8 @@ from robsim.simulation.slots import SLOTS
 FORMAT = "robsim replay 1"
 _MOST_BYTES = 1 << 26
 _MOST_STEPS = 1_000_000
-_KINDS = {"format": str, "scenario": str, "slots": list, "files": dict, "changes": list}
+_KINDS: dict[str, type] = {"scenario": str, "slots": list, "files": dict, "changes": list}
+_KINDS |= {"steps": int, "digest": str, "format": str}
 _MESSAGES = ("set", "go_to", "path")  # of the browser, that change a run
 
 
@@ -54,10 +55,9 @@ class ReplayFile:
         if len(text) > _MOST_BYTES:
             raise ValueError(f"it has more than {_MOST_BYTES >> 20} MB")
         told = parse_json(text)
-        kinds = {**_KINDS, "steps": int, "digest": str}
         if not isinstance(told, dict) or told.get("format") != FORMAT:
             raise ValueError("it is no replay file of this version")
-        if told.keys() != kinds.keys() or any(type(told[n]) is not k for n, k in kinds.items()):
+        if told.keys() != _KINDS.keys() or any(type(told[n]) is not k for n, k in _KINDS.items()):
             raise ValueError("it lacks a part")
         found = cls(**told)
         found._check()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import CancelledError
 from typing import TYPE_CHECKING, Any
 
 from robsim._core import Frame
@@ -83,14 +83,11 @@ class Past(Part):
         record = self.panel.record
         if record.reads_in_run:
             asked = self.panel.driver.call(lambda: record.frame(k))
-            asked.add_done_callback(lambda done: self.panel.post(lambda: then(*_result(done))))
+            asked.add_done_callback(
+                lambda done: self.panel.post(lambda: then(*_result(done.result)))
+            )
         else:
-            done: Future[Frame | None] = Future()
-            try:
-                done.set_result(record.frame(k))
-            except Exception as error:
-                done.set_exception(error)
-            then(*_result(done))
+            then(*_result(lambda: record.frame(k)))
 
     def _look(self, link: Link, message: dict[str, Any]) -> None:
         k, n_steps = message["k"], self.panel.record.n_steps
@@ -131,9 +128,9 @@ class Past(Part):
             link.send({"type": "past", "k": k, "reason": reason or "no frame came in this step"})
 
 
-def _result(done: Future[Frame | None]) -> tuple[Frame | None, str | None]:
+def _result(frame: Callable[[], Frame | None]) -> tuple[Frame | None, str | None]:
     try:
-        return done.result(), None
+        return frame(), None
     except CancelledError:
         return None, "the panel is closed"
     except Exception as error:
