@@ -5,6 +5,7 @@ import pytest
 
 from panel_mouse import Chart
 from robsim.trace import PARAMETER_NAMES
+from waiting import wait_for
 
 pytestmark = pytest.mark.slow
 
@@ -256,6 +257,10 @@ def test_ghosts_are_read_off_and_the_nees_has_a_meter(show):
         [{"type": "reference"}],
         [{"type": "drop_ghost", "name": "mine"}],
     ]
+    with host.tab.expect_file_chooser() as chooser:
+        host.tab.select_option("select[name=compare]", "file")
+    chooser.value.set_files({"name": "other.npz", "mimeType": "", "buffer": b"run"})
+    wait_for(lambda: [part["name"] for part in host.sent("upload")] == ["other.npz"])
     told = {"mean": 9.0, "n": 30, "band": [2.2, 3.9], "verdict": "optimistic"}
     statistics = {"type": "statistics", "first": 0, "last": 299, "errors": []}
     host.emit({**statistics, "nees": told})

@@ -77,7 +77,7 @@ class Part:
         plain: tuple[type[Exception], ...] = (Refused,),
         **where: Any,
     ) -> None:
-        """Change something between two steps, say what came of it, and call `changed`.
+        """Change something between two steps, report the outcome, and call `changed`.
 
         An error is a note with the fields `where`; `plain` ones need no name of their class.
         """
