@@ -34,7 +34,7 @@ def some_mask(rng):
         ),
     },
 )
-def centroid(mask):
+def mean_pixel(mask):
     """Return the mean position (u, v) of the nonzero pixels of a mask of shape (H, W)."""
     rows, columns = np.nonzero(mask)
     return columns.mean(), rows.mean()

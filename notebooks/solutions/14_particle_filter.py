@@ -165,7 +165,7 @@ def weighted_cloud(rng):
                 weights @ np.column_stack((particles[:, :2], particles[:, 2] % (2 * np.pi)))
             )
         ),
-        "This is the sum: the weights have the sum 1 already, or divide by N without them.": (
+        "This is the plain sum: multiply each particle by its weight first.": (
             lambda particles, weights: particles.sum(axis=0)
         ),
     },
