@@ -1,0 +1,69 @@
+"""The answers of the notebook 09_the_manual_of_2008, and mistakes that students make."""
+
+import math
+
+import numpy as np
+
+import robsim
+from robsim.teach.exercises.exercise import exercise
+
+
+def heading_and_count(rng):
+    count = int(rng.choice((8, 36)))
+    whole = rng.integers(-count // 2 + 1, count // 2)
+    return (whole + rng.uniform(0.1, 0.4) * rng.choice((-1, 1))) * 2 * math.pi / count, count
+
+
+@exercise(
+    cases=heading_and_count,
+    hint="How far apart are neighbours? How many such distances is the heading, rounded?",
+    mistakes={
+        "This rounds down: take the nearest one.": lambda heading, count: (
+            math.floor(heading * count / (2 * math.pi)) * 2 * math.pi / count
+        ),
+        "The headings lie on a whole turn, 2 pi, not on half of one.": lambda heading, count: (
+            round(heading * count / math.pi) * math.pi / count
+        ),
+        "This is the number of the heading: multiply it by their distance.": (
+            lambda heading, count: round(heading * count / (2 * math.pi))
+        ),
+        "It is in degrees, and must be in radians.": lambda heading, count: math.degrees(
+            round(heading * count / (2 * math.pi)) * 2 * math.pi / count
+        ),
+        "This is the error: the drawn heading is asked for.": lambda heading, count: (
+            round(heading * count / (2 * math.pi)) * 2 * math.pi / count - heading
+        ),
+    },
+)
+def drawn_heading(heading, count):
+    """Return the drawn heading (rad, from -pi to pi): the nearest of `count` evenly spaced ones."""
+    distance = 2 * np.pi / count
+    return robsim.wrap_angle(round(heading / distance) * distance)
+
+
+def pixels_and_box(rng):
+    yuv = rng.integers(0, 10, (6, 8, 3))
+    low = rng.integers(1, 4, 3)
+    return yuv, low, low + rng.integers(3, 6, 3)
+
+
+@exercise(
+    cases=pixels_and_box,
+    hint="Compare whole arrays. Which of numpy's functions asks for all along the last axis?",
+    mistakes={
+        "The ends belong to the range: <=, not <.": lambda yuv, low, high: (
+            (yuv > low) & (yuv < high)
+        ).all(axis=2),
+        "All three must lie in their ranges, not one of them.": lambda yuv, low, high: (
+            (yuv >= low) & (yuv <= high)
+        ).any(axis=2),
+        "This looks at the upper ends alone.": lambda yuv, low, high: (yuv <= high).all(axis=2),
+        "This looks at the lower ends alone.": lambda yuv, low, high: (yuv >= low).all(axis=2),
+        "One value for each pixel, of shape (H, W).": lambda yuv, low, high: (
+            (yuv >= low) & (yuv <= high)
+        ).astype(int),
+    },
+)
+def in_box(yuv, low, high):
+    """Return an array (H, W) with 1 where a pixel belongs to a class, else 0."""
+    return ((yuv >= low) & (yuv <= high)).all(axis=2).astype(int)
