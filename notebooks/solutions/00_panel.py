@@ -20,7 +20,7 @@ def limited(turn):
         "The limit holds for turns to the left, too: not below -0.2 V.": (
             lambda angle: (0.3 + min(0.2, 0.2 * angle), 0.3 - min(0.2, 0.2 * angle))
         ),
-        "The angle is limited in place of the turn: the turn is 0.2 V per rad.": (
+        "Limit the turn, not the angle: the turn is 0.2 V per rad.": (
             lambda angle: (0.3 + limited(angle), 0.3 - limited(angle))
         ),
         "One wheel gets the turn, the other none: one becomes faster, the other slower.": (
@@ -44,7 +44,7 @@ def gaps(seen):
     cases=lambda rng: ((rng.random(60) > 0.4).astype(int),),
     hint="Count up at each step unseen, and begin again at each step seen. What do you keep?",
     mistakes={
-        "This counts all steps unseen: the longest gap is asked for.": (
+        "This counts all steps unseen: return the longest gap.": (
             lambda seen: int((seen == 0).sum())
         ),
         "This is the last gap: keep the largest count so far.": lambda seen: gaps(seen)[-1],

@@ -54,12 +54,12 @@ def late(rng):
         "Free days take nothing: subtract them from the days.": (
             lambda points, days, per_day, free_days: points * max(0, 1 - per_day * days)
         ),
-        "Who comes within the free days gains nothing: count at least 0 days.": (
+        "A student within the free days gains nothing: count at least 0 days.": (
             lambda points, days, per_day, free_days: (
                 points * max(0, 1 - per_day * (days - free_days))
             )
         ),
-        "Nobody has less than 0 points.": lambda points, days, per_day, free_days: (
+        "The points never fall below 0.": lambda points, days, per_day, free_days: (
             points * (1 - per_day * max(0, days - free_days))
         ),
         "A day takes a share of the points, not so many points.": (
@@ -67,7 +67,7 @@ def late(rng):
                 0, points - per_day * max(0, days - free_days)
             )
         ),
-        "Each day takes the same share of all points, not of what the day before left.": (
+        "Each day takes the same share of all points, not of the rest.": (
             lambda points, days, per_day, free_days: (
                 points * (1 - per_day) ** max(0, days - free_days)
             )
@@ -75,5 +75,5 @@ def late(rng):
     },
 )
 def after_late_days(points, days, per_day, free_days):
-    """Return what is left of points after late days, at least 0."""
+    """Return the rest of the points after late days, at least 0."""
     return points * max(0, 1 - per_day * max(0, days - free_days))

@@ -24,14 +24,14 @@ def pairs(rng):
             (second - first).mean(),
             2 * (second - first).std() / np.sqrt(len(first)),
         ),
-        "This is the spread of the pairs: that of their mean is smaller by the root of N.": (
+        "This is the spread of the pairs: their mean has a smaller one, by the root of N.": (
             lambda first, second: ((second - first).mean(), 2 * (second - first).std(ddof=1))
         ),
         "This forgets the pairs: take the spread of the differences.": lambda first, second: (
             (second - first).mean(),
             2 * np.sqrt((first.var(ddof=1) + second.var(ddof=1)) / len(first)),
         ),
-        "This is one standard error: the half width is two of them.": lambda first, second: (
+        "This is one standard error: the half width is twice as large.": lambda first, second: (
             (second - first).mean(),
             (second - first).std(ddof=1) / np.sqrt(len(first)),
         ),
@@ -56,7 +56,7 @@ def paired_mean(first, second):
         "The width has a square, not a root.": (
             lambda runs, half_width, wanted: runs * np.sqrt(half_width / wanted)
         ),
-        "This is how many runs more: all of them are asked for.": (
+        "This is how many runs more: return all of them.": (
             lambda runs, half_width, wanted: runs * (half_width / wanted) ** 2 - runs
         ),
         "The runs so far are missing in it.": (

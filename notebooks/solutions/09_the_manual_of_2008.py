@@ -30,7 +30,7 @@ def heading_and_count(rng):
         "It is in degrees, and must be in radians.": lambda heading, count: math.degrees(
             round(heading * count / (2 * math.pi)) * 2 * math.pi / count
         ),
-        "This is the error: the drawn heading is asked for.": lambda heading, count: (
+        "This is the error: return the drawn heading.": lambda heading, count: (
             round(heading * count / (2 * math.pi)) * 2 * math.pi / count - heading
         ),
     },
@@ -49,7 +49,7 @@ def pixels_and_box(rng):
 
 @exercise(
     cases=pixels_and_box,
-    hint="Compare whole arrays. Which of numpy's functions asks for all along the last axis?",
+    hint="Compare whole arrays. Which function of numpy combines all along the last axis?",
     mistakes={
         "The ends belong to the range: <=, not <.": lambda yuv, low, high: (
             (yuv > low) & (yuv < high)

@@ -130,7 +130,7 @@ def best_pair(reds, blues, distance):
         "This takes the first of each colour: compare all pairs.": (
             lambda reds, blues, distance: (0, 0) if len(reds) and len(blues) else None
         ),
-        "The indexes are exchanged: first that of the red one.": lambda reds, blues, distance: (
+        "The indexes are exchanged: the red one is the first.": lambda reds, blues, distance: (
             (pair := best_pair(reds, blues, distance)) and pair[::-1]
         ),
         "This returns the distance of the pair: return its indexes.": (

@@ -156,7 +156,7 @@ def physical(rng):
 
 
 def numbers(robot):
-    """Return the fifteen numbers, without their repetitions, by what they are."""
+    """Return the fifteen numbers, without their repetitions."""
     m, inertia, Fv, Fw, r, L, *motors = robot
     alpha, beta = np.reshape(motors, (2, 2))
     dt = 0.2
