@@ -16,7 +16,7 @@ def state_and_input(rng):
 @exercise(
     cases=state_and_input,
     tolerance=1e-7,
-    hint="state[:3] is the pose, state[3:] the one before. Which of them is in the next state?",
+    hint="state[:3] is the pose, state[3:] the previous pose. Which of them is in the next state?",
     mistakes={
         "The old pose moves to the second place: yours keeps the oldest one.": (
             lambda state, u: np.append(MODEL.predict(state[:3], state[3:], u), state[3:])
@@ -156,7 +156,7 @@ def ekf_predict(state, P, u, Q, theta):
     hint="np.linalg.solve(S, e) is S^-1 e. The result is a number.",
     mistakes={
         "S^-1, not S: a larger covariance makes the distance smaller.": lambda e, S: e @ S @ e,
-        "This is the distance: its square is asked for.": lambda e, S: np.sqrt(
+        "This is the distance: return its square.": lambda e, S: np.sqrt(
             e @ np.linalg.solve(S, e)
         ),
         "The correlations count, too: this has the diagonal of S alone.": lambda e, S: (

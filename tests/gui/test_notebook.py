@@ -243,3 +243,26 @@ def test_where_it_cannot_be_shown_it_says_what_does(panel, monkeypatch, capsys):
     said = capsys.readouterr().out
     assert "robsim[notebook]" in said
     assert "open()" in said
+
+
+@pytest.mark.slow
+def test_a_kernel_with_an_open_panel_ends_without_a_word(tmp_path):
+    jupyter = pytest.importorskip("jupyter_client")
+    said = tmp_path / "said"
+    manager = jupyter.KernelManager(kernel_name="python3")
+    with said.open("wb") as file:
+        manager.start_kernel(stdout=file, stderr=file)
+        try:
+            client = manager.client()
+            client.start_channels()
+            client.wait_for_ready(300)
+            drive = "robsim.Simulation(measure=True, control=robsim.DriveAround())"
+            code = f"import robsim; panel = robsim.panel({drive}); display(panel); panel.start()"
+            assert client.execute_interactive(code, timeout=300)["content"]["status"] == "ok"
+            client.execute_interactive("while len(panel.trace) < 20: pass", timeout=300)
+            client.shutdown()
+            wait_for(lambda: manager.provisioner.process.poll() is not None)
+            client.stop_channels()
+        finally:
+            manager.shutdown_kernel(now=True)
+    assert "Traceback" not in said.read_text(errors="replace")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import base64
 import json
+import sys
 import threading
 import warnings
 from abc import ABC, abstractmethod
@@ -183,10 +184,12 @@ class HostedPanel(Closing, ABC):
 
 
 @atexit.register
-def _close_all() -> None:
+def close_all() -> None:
     """End all threads while there still is a Python for them."""
     for one in [*opened]:
         one._close(AT_EXIT)
+    if sys.stdout is not None:
+        sys.stdout.flush()  # in a kernel this waits until all before it is sent
 
 
 def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[str, Any]]:
