@@ -245,6 +245,12 @@ def test_where_it_cannot_be_shown_it_says_what_does(panel, monkeypatch, capsys):
     assert "open()" in said
 
 
+SHOW = """import robsim
+panel = robsim.panel(robsim.Simulation(measure=True))
+display(panel)
+panel.start()"""
+
+
 @pytest.mark.slow
 def test_a_kernel_with_an_open_panel_ends_without_a_word(tmp_path):
     jupyter = pytest.importorskip("jupyter_client")
@@ -256,9 +262,8 @@ def test_a_kernel_with_an_open_panel_ends_without_a_word(tmp_path):
             client = manager.client()
             client.start_channels()
             client.wait_for_ready(300)
-            drive = "robsim.Simulation(measure=True, control=robsim.DriveAround())"
-            code = f"import robsim; panel = robsim.panel({drive}); display(panel); panel.start()"
-            assert client.execute_interactive(code, timeout=300)["content"]["status"] == "ok"
+            reply = client.execute_interactive(SHOW, timeout=300)
+            assert reply["content"]["status"] == "ok"
             client.execute_interactive("while len(panel.trace) < 20: pass", timeout=300)
             client.shutdown()
             wait_for(lambda: manager.provisioner.process.poll() is not None)

@@ -72,6 +72,18 @@ def test_what_comes_back_is_said(returned, said):
     assert said in sentence
 
 
+def test_the_first_number_that_differs_is_told():
+    def jacobian_of(state, u, theta):
+        jacobian = right(state, u, theta)
+        jacobian[2, 5] += 1
+        return jacobian
+
+    name = "13_extended_kalman_filter"
+    (right,) = [e.right for e in robsim.teach.notebook_exercises()[name] if e.name == "jacobian_of"]
+    (sentence,) = robsim.teach.check_answer(jacobian_of).sentences
+    assert sentence.startswith("[2, 5] of the result of jacobian_of([")
+
+
 def test_an_error_has_its_line():
     def typo(pose, goal):
         return poes[0]  # noqa: F821

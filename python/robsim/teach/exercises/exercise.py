@@ -117,6 +117,22 @@ def _fault(exercise: Exercise, case: Case, result: Any) -> str | None:
         return said and f"{call} returns {_shown(result)}: {said}"
     if _alike(result, right, exercise.tolerance):
         return None
+    return _difference(call, result, right, exercise.tolerance)
+
+
+def _difference(call: str, result: Any, right: Any, tolerance: float) -> str:
+    """Return a sentence on the first number that differs, or on all of a few numbers."""
+    for number, (got, wanted) in enumerate(zip(_parts(result), _parts(right), strict=True), 1):
+        if wanted.size > _MOST_SHOWN and not _alike(got, wanted, tolerance):
+            near = np.isclose(got, wanted, _RELATIVE, tolerance, equal_nan=True)
+            at = tuple(map(int, np.argwhere(~near)[0]))
+            what = (
+                f"result {number} of {call}"
+                if isinstance(right, tuple)
+                else f"the result of {call}"
+            )
+            place = ", ".join(map(str, at))
+            return f"[{place}] of {what} is {_shown(got[at])}, and must be {_shown(wanted[at])}."
     return f"{call} returns {_shown(result)}, and must return {_shown(right)}."
 
 
