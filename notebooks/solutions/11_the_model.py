@@ -62,6 +62,11 @@ def offset_apart(theta, pose_1, pose_2, u):
     return a1 * pose_1 + a2 * pose_2 + (b1 * u[0] + b2 * u[1]) * direction(pose_1[2]) + d1
 
 
+def wrapped(theta, pose_1, pose_2, u):
+    pose = with_factors(theta, pose_1, pose_2, u, direction(pose_1[2]))
+    return np.array([*pose[:2], robsim.wrap_angle(pose[2])])
+
+
 @exercise(
     cases=steps,
     hint="Write x(k) with the entries of theta[0] first. What is different in the other two rows?",
@@ -97,6 +102,7 @@ def offset_apart(theta, pose_1, pose_2, u):
         "d1 is part of the force, too: the cosine or the sine multiplies the whole sum.": (
             offset_apart
         ),
+        "Do not wrap the heading: here it continues beyond pi.": wrapped,
         "The voltages are exchanged: u[0] is the left one, and belongs to b1.": (
             lambda theta, pose_1, pose_2, u: with_factors(
                 theta, pose_1, pose_2, u[::-1], direction(pose_1[2])
@@ -117,31 +123,30 @@ def real_poles(rng):
     return a1, 1 - a1
 
 
-def roots(*polynomial):
-    return np.sort(np.roots(polynomial).real)[::-1]
+def no_poles(result, a1, a2):
+    """Return the fault of these poles, or None."""
+    others = {
+        "two signs are wrong: bring a1 z and a2 to the side of z squared.": np.roots([1, a1, a2]),
+        "the sign of a2 is wrong: bring it to the side of z squared, too.": np.roots([1, -a1, a2]),
+        "the sign of a1 is wrong: bring it to the side of z squared, too.": np.roots([1, a1, -a2]),
+        "np.roots takes the coefficient of the highest power first.": np.roots([-a2, -a1, 1]),
+        "the 2 divides the square root, too.": 2 * poles.right(a1, a2) - a1 / 2,
+        "the 2 divides a1, too.": poles.right(a1, a2) + a1 / 2,
+    }
+    if np.allclose(result, poles.right(a1, a2)):
+        return None
+    if np.allclose(np.sort(result)[::-1], poles.right(a1, a2)):
+        return "the larger one comes first."
+    for sentence, other in others.items():
+        if np.allclose(np.sort_complex(result), np.sort_complex(other)):
+            return sentence
+    return "put each of them into z squared = a1 z + a2: both sides must be equal."
 
 
 @exercise(
     cases=real_poles,
+    judge=no_poles,
     hint="Bring all terms to one side. Which coefficients does the quadratic equation have?",
-    mistakes={
-        "Two signs are wrong: bring a1 z and a2 to the side of z squared.": (
-            lambda a1, a2: roots(1, a1, a2)
-        ),
-        "The sign of a2 is wrong: bring it to the side of z squared, too.": (
-            lambda a1, a2: roots(1, -a1, a2)
-        ),
-        "The sign of a1 is wrong: bring it to the side of z squared, too.": (
-            lambda a1, a2: roots(1, a1, -a2)
-        ),
-        "The larger pole comes first.": lambda a1, a2: roots(1, -a1, -a2)[::-1],
-        "The first coefficient of np.roots is the one of the highest power.": (
-            lambda a1, a2: roots(-a2, -a1, 1)
-        ),
-        "All of the numerator is divided by 2, the part with a1, too.": (
-            lambda a1, a2: a1 + np.array([0.5, -0.5]) * np.sqrt(a1**2 + 4 * a2)
-        ),
-    },
 )
 def poles(a1, a2):
     """Return the two poles of x(k) = a1 x(k-1) + a2 x(k-2), the larger one first: array (2,)."""
