@@ -156,9 +156,7 @@ def ekf_predict(state, P, u, Q, theta):
     hint="np.linalg.solve(S, e) is S^-1 e. The result is a number.",
     mistakes={
         "S^-1, not S: a larger covariance makes the distance smaller.": lambda e, S: e @ S @ e,
-        "This is the distance: return its square.": lambda e, S: np.sqrt(
-            e @ np.linalg.solve(S, e)
-        ),
+        "This is the distance: return its square.": lambda e, S: np.sqrt(e @ np.linalg.solve(S, e)),
         "The correlations count, too: this has the diagonal of S alone.": lambda e, S: (
             e**2 / np.diag(S)
         ).sum(),

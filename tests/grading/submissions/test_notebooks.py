@@ -344,7 +344,7 @@ def test_our_own_notebooks(tmp_path):
         (path,) = OURS.glob(f"{name}_*.ipynb")
         return path, Rules(slots=(slot,))
 
-    path, rules = ours("03", "evaluate_model")
+    path, rules = ours("12", "evaluate_model")
     with loaded_slots(sent(path, rules), rules) as callbacks:
         assert callbacks["evaluate_model"].__name__ == "with_load"
     text = str(refused(*ours("02", "control")))
