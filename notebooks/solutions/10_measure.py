@@ -8,6 +8,7 @@ import robsim
 from robsim.teach.exercises.exercise import exercise
 
 MORE = 60  # of 255
+NONE = (-1, -1)  # the pair of a robot that is not there
 
 
 def random_image(rng):
@@ -113,7 +114,7 @@ def distances(reds, blues):
 
 def pair_by(misfit, limit=np.inf):
     if not misfit.size or misfit.min() > limit:
-        return None
+        return NONE
     return np.unravel_index(misfit.argmin(), misfit.shape)
 
 
@@ -128,18 +129,20 @@ def best_pair(reds, blues, distance):
         "This takes the pair that is nearest to each other: the distance must be the given one.": (
             lambda reds, blues, distance: pair_by(distances(reds, blues))
         ),
-        "A pair whose distance is far off is no robot: return None.": (
+        "A pair whose distance is far off is no robot: return (-1, -1).": (
             lambda reds, blues, distance: pair_by(abs(distances(reds, blues) - distance))
         ),
         "This takes the first of each colour: compare all pairs.": (
-            lambda reds, blues, distance: (0, 0) if len(reds) and len(blues) else None
+            lambda reds, blues, distance: (0, 0) if len(reds) and len(blues) else NONE
         ),
         "The indexes are exchanged: the red one is the first.": lambda reds, blues, distance: (
-            (pair := best_pair(reds, blues, distance)) and pair[::-1]
+            best_pair(reds, blues, distance)[::-1]
         ),
         "This returns the distance of the pair: return its indexes.": (
             lambda reds, blues, distance: (
-                (pair := best_pair(reds, blues, distance)) and distances(reds, blues)[pair]
+                NONE
+                if (pair := best_pair(reds, blues, distance)) == NONE
+                else distances(reds, blues)[pair]
             )
         ),
     },
@@ -147,10 +150,10 @@ def best_pair(reds, blues, distance):
 def marker_pair(reds, blues, distance):
     """Return the indexes (i, j) of the red and the blue place that fit a distance best."""
     if len(reds) == 0 or len(blues) == 0:
-        return None
+        return -1, -1
     misfit = abs(np.linalg.norm(reds[:, None] - blues, axis=2) - distance)
     i, j = np.unravel_index(misfit.argmin(), misfit.shape)
-    return (i, j) if misfit[i, j] <= distance / 4 else None
+    return (i, j) if misfit[i, j] <= distance / 4 else (-1, -1)
 
 
 def markers(rng):

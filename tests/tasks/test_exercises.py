@@ -7,7 +7,8 @@ import pytest
 
 import robsim
 from robsim.teach.exercises import shipped
-from robsim.teach.exercises.exercise import called
+from robsim.teach.exercises.exercise import called, drawn_cases
+from robsim.teach.grading.arrays import as_arrays
 from write_solutions import sources_in
 
 SOURCES = Path(__file__).parents[2] / "notebooks/solutions"
@@ -24,6 +25,14 @@ def test_the_packed_answers_are_the_written_ones():
 def test_the_right_answer_is_right_with_any_numbers(exercise):
     for seed in range(3):
         assert robsim.teach.check_answer(exercise.right, seed=seed)
+
+
+@each
+def test_a_grader_can_call_it(exercise):
+    for case in drawn_cases(exercise, 1):
+        result = called(exercise.right, case)
+        assert len(as_arrays("argument", case)) == len(case)
+        assert as_arrays("result", result if isinstance(result, tuple) else (result,))
 
 
 @each

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import atexit
 import base64
+import importlib
 import json
 import sys
 import threading
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -165,6 +167,7 @@ class HostedPanel(Closing, ABC):
                 f"{self._maker}(...).open()"
             )
         else:
+            _end_before_zmq()
             notebook.show(self)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
@@ -184,12 +187,20 @@ class HostedPanel(Closing, ABC):
 
 
 @atexit.register
-def close_all() -> None:
+def _close_all() -> None:
     """End all threads while there still is a Python for them."""
     for one in [*opened]:
         one._close(AT_EXIT)
     if sys.stdout is not None:
         sys.stdout.flush()  # in a kernel this waits until all before it is sent
+
+
+def _end_before_zmq() -> None:
+    """Let panels end before the part of zmq that sends large messages: last come, first to go."""
+    with suppress(ImportError):
+        importlib.import_module("zmq.utils.garbage")
+    atexit.unregister(_close_all)
+    atexit.register(_close_all)
 
 
 def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[str, Any]]:

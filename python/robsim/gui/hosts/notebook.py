@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import atexit
 import base64
-import importlib
 import threading
 import time
 import uuid
 import weakref
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -21,16 +18,10 @@ from IPython import get_ipython
 from robsim.gui._driver import pause_all
 from robsim.gui._link import Buffers, Link
 from robsim.gui._view import View
-from robsim.gui.hosted import close_all
 from robsim.gui.hosts.script import script, style
 
 if TYPE_CHECKING:
     from robsim.gui.hosted import HostedPanel
-# At exit, panels end before the part of zmq that sends large messages: last come is first to go.
-with suppress(ImportError):
-    importlib.import_module("zmq.utils.garbage")
-atexit.unregister(close_all)
-atexit.register(close_all)
 _MOST_LATE = 3  # grants in a row, until messages are no longer sent by themselves
 _POLL = 100  # ms between two questions whether there are messages
 _FIRST_TRY = 5.0  # s, then twice as long, and so on: do they come by themselves again?
