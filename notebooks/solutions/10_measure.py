@@ -8,7 +8,7 @@ import robsim
 from robsim.teach.exercises.exercise import exercise
 
 MORE = 60  # of 255
-NONE = (-1, -1)  # the pair of a robot that is not there
+NONE = (-1, -1)  # if there is no robot
 
 
 def random_image(rng):
