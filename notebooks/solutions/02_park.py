@@ -55,6 +55,12 @@ def to_the_right(pose, goal):
         "subtract all of it from the other.": (
             lambda drive, turn: (drive + turn / 2, drive - turn / 2)
         ),
+        "One wheel gets the turn, the other none: one becomes faster, the other slower.": (
+            lambda drive, turn: (drive + turn, drive)
+        ),
+        "The drive is the same for both wheels: the turn alone is not enough.": (
+            lambda drive, turn: (turn, -turn)
+        ),
         "Both wheels get the same voltage, so the robot does not turn.": (
             lambda drive, turn: (drive + turn, drive + turn)
         ),

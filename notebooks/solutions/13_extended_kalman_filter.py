@@ -153,7 +153,7 @@ def ekf_predict(state, P, u, Q, theta):
 
 @exercise(
     cases=lambda rng: (rng.normal(size=3), covariance(rng, 3)),
-    hint="np.linalg.solve(S, e) is S^-1 e. The result is a number.",
+    hint="e has three numbers, S^-1 nine. Which products make one number of e, S^-1 and e?",
     mistakes={
         "S^-1, not S: a larger covariance makes the distance smaller.": lambda e, S: e @ S @ e,
         "This is the distance: return its square.": lambda e, S: np.sqrt(e @ np.linalg.solve(S, e)),
