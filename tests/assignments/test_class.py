@@ -315,6 +315,23 @@ def test_attempts_and_files_of_canvas_and_blackboard_are_those_of_a_student(hw3,
     assert graded(hw3, tmp_path / "subs", tmp_path / "out2")[0] == told
 
 
+def test_the_contents_of_a_zip_are_listed_once_for_all_students(hw3, tmp_path, monkeypatch):
+    listed = []
+
+    class Listed(zipfile.ZipFile):
+        def __init__(self, file, *args):
+            listed.append(Path(getattr(file, "name", "")).name)
+            super().__init__(file, *args)
+
+    files = {f"{name}_{len(name)}_assignsubmission_file/a.txt": "x" for name in ("al", "ben")}
+    path = packed(tmp_path / "class.zip", files)
+    monkeypatch.setattr(zipfile, "ZipFile", Listed)
+    told, _ = graded(hw3, path, tmp_path / "out")
+    assert (len(told), listed) == (2, ["class.zip"])
+    graded(hw3, path, tmp_path / "out")  # nothing of before is kept
+    assert listed == ["class.zip"] * 2
+
+
 @pytest.mark.parametrize(
     ("own", "name", "other"),
     [

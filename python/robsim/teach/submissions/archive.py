@@ -8,7 +8,8 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
@@ -30,6 +31,9 @@ _BROKEN = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError, RuntimeError),
     *(OverflowError, LookupError, MemoryError),
 )
+#: The zip of a class, and its entries with their places.
+_Listed = tuple[zipfile.ZipFile, list[tuple[zipfile.ZipInfo, str]]]
+_OUTERMOST: ContextVar[_ClassZips | None] = ContextVar("_OUTERMOST", default=None)
 
 
 def most_of_archive(rules: Rules) -> int:
@@ -58,10 +62,42 @@ def _class_zip(path: Path) -> Iterator[zipfile.ZipFile]:
         yield archive
 
 
+class _ClassZips(ExitStack):
+    """Zips of classes with their lists of contents, open from their first use on."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._listed: dict[Path, _Listed] = {}
+
+    def listed(self, path: Path) -> _Listed:
+        if path not in self._listed:
+            archive = self.enter_context(_class_zip(path))
+            entries = [(entry, _place_of(entry)) for entry in archive.infolist()]
+            self._listed[path] = archive, entries
+        return self._listed[path]
+
+
+@contextmanager
+def class_zips() -> Iterator[_ClassZips]:
+    """Yield the zips of classes; the outermost context keeps them open for all inside it.
+
+    So their lists of contents are read once, and not for each student.
+    """
+    if (outer := _OUTERMOST.get()) is not None:
+        yield outer
+        return
+    with _ClassZips() as zips:
+        token = _OUTERMOST.set(zips)
+        try:
+            yield zips
+        finally:
+            _OUTERMOST.reset(token)
+
+
 def paths_in(path: Path) -> list[str]:
     """Return all files and empty folders ("a/") in the zip of a class; SubmissionError: broken."""
-    with _told(path.name), _class_zip(path) as archive:
-        paths = [_place_of(entry) for entry in archive.infolist()]
+    with _told(path.name), class_zips() as zips:
+        paths = [place for _, place in zips.listed(path)[1]]
     filled = {f"{folder}/" for path in paths for folder in PurePosixPath(path).parents}
     return [path for path in paths if path not in filled]
 
@@ -69,11 +105,11 @@ def paths_in(path: Path) -> list[str]:
 def read_from_class(path: Path, files: Sequence[tuple[str, str]], intake: Intake) -> Intake:
     """Return the files of a submission in the zip of a class; see `open_submission` for `files`."""
     whole, rules = intake.whole, intake.rules
-    with _told(whole), _class_zip(path) as archive:
+    with _told(whole), class_zips() as zips:
+        archive, entries = zips.listed(path)
         found = [
             (entry, name + place[len(start) :])
-            for entry in archive.infolist()
-            for place in [_place_of(entry)]
+            for entry, place in entries
             for start, name in files
             if place == start or (start.endswith("/") and place.startswith(start))
         ]

@@ -36,6 +36,7 @@ from robsim.teach.assignments.marking.work import Unit
 from robsim.teach.reports.tables import COLUMNS
 from robsim.teach.reports.words import person
 from robsim.teach.results import ERROR, SubmissionResult, TestResult
+from robsim.teach.submissions.archive import class_zips
 
 
 def grade_submission(
@@ -187,15 +188,16 @@ def grade_class(
     check_callable("on_result", on_result)
     asked = None if only is None else names_of(only)
     table = None if groups is None else as_path(groups, "groups")
-    handed = submissions_in(submissions, assignment, warn_user, table)
-    others = other_programs(assignment) if len(handed) > 1 else {}
-    plan = plan_of(assignment, public=public, waits=True)
-    students = None
-    if asked is not None:
-        plan, students = _only(plan, handed, asked)
-    _check_apart(folder.folder, handed)
-    folder.by_hand = take_table(plan, folder, [one.student for one in handed])
-    done = grade_all(Schedule(plan, handed, folder, on_result, students), executor)
+    with class_zips():
+        handed = submissions_in(submissions, assignment, warn_user, table)
+        others = other_programs(assignment) if len(handed) > 1 else {}
+        plan = plan_of(assignment, public=public, waits=True)
+        students = None
+        if asked is not None:
+            plan, students = _only(plan, handed, asked)
+        _check_apart(folder.folder, handed)
+        folder.by_hand = take_table(plan, folder, [one.student for one in handed])
+        done = grade_all(Schedule(plan, handed, folder, on_result, students), executor)
     results = sorted(done.results, key=lambda result: result.student)
     if left := [one.student for one in handed if one.student not in {r.student for r in results}]:
         warn_user(f"not graded yet, and not in the table: {listed(left)}")
