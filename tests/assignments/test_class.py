@@ -431,6 +431,27 @@ def test_no_member_of_a_group_loses_a_mark_to_one_of_the_same_name(hw3, tmp_path
     assert [one.members for one in result.results if one.student == "team"] == [names]
 
 
+def test_a_member_who_handed_in_nothing_has_a_number_in_moodle_by_its_worksheet(hw3, tmp_path):
+    sheet = (
+        "Identifier,Full name,Grade,Group\n"
+        "Participant 1,Ann O'Do,,team\nParticipant 7,Ben,,team\nParticipant 8,Ann O'Do,,\n"
+    )
+    (tmp_path / "groups.csv").write_text(sheet)
+    name = "{}_{}_assignsubmission_file"
+    files = {f"{name.format('Ann ODo', number)}/a.txt": "x" for number in (1, 8)}
+    out, feedback = tmp_path / "out", tmp_path / "feedback.zip"
+    with pytest.warns(UserWarning, match="alone.*Ann ODo_8"):
+        result = grade_class(hw3, packed(tmp_path / "m.zip", files), out, columns="moodle")
+    members = (name.format("Ann ODo", 1), name.format("Ben", 7))
+    assert [one.members for one in result.results] == [(), members]
+    identifiers = columns_of(out / "class.csv", "Identifier")
+    assert identifiers == [("Participant 8",), ("Participant 1",), ("Participant 7",)]
+    pack_feedback(result, out, feedback)  # no warning: Moodle knows all of them
+    with zipfile.ZipFile(feedback) as archive:
+        folders = {path.partition("/")[0] for path in archive.namelist()}
+    assert folders == {f"{one}_" for one in (*members, name.format("Ann ODo", 8))}
+
+
 def test_a_group_of_moodle_hands_in_once(hw3, tmp_path):
     names = {"G 3-Anna_1": "a", "G 3-Ben_2": "a", "Jo-Lee_3": "b", "Jo-Ann_4": "c"}
     files = {f"{name}_assignsubmission_file/{file}.txt": "x" for name, file in names.items()}

@@ -151,7 +151,8 @@ def grade_class(
         The names of tests to run, and of students to grade; the results of others are those in
         `out`. Default: all.
     groups : path, optional
-        A table with the columns group and student: each member gets the marks of the group.
+        A table with the columns group and student, or a grading worksheet of Moodle with a column
+        group: each member gets the marks of the group.
         Default: ``groups.csv`` beside the submissions, if there is one.
     columns : {"robsim", "moodle", "canvas", "blackboard"}
         The learning platform whose columns ``class.csv`` has.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,15 +20,20 @@ if TYPE_CHECKING:
 
 FILE = "groups.csv"  # beside the submissions
 _COLUMNS = ["group", "student"]
+# Further ones of a grading worksheet of Moodle
+_FULL_NAME, _IDENTIFIER = "full name", "identifier"
 
 
 def read_groups(file: Path) -> dict[str, list[str]]:
     """Return the students by group from a table with the columns group and student.
 
+    A grading worksheet of Moodle with a column group is such a table. Its students have numbers.
     Raise ValueError if a column is missing, or if students are in two groups.
     """
     table = Table.read(file)
     columns = {name.lower(): name for name in table.columns}
+    if _FULL_NAME in columns:
+        columns.setdefault("student", columns[_FULL_NAME])
     if missing := [name for name in _COLUMNS if name not in columns]:
         raise ValueError(
             f"{one_line(file)} must have the columns group and student, got no {missing[0]}"
@@ -35,12 +41,25 @@ def read_groups(file: Path) -> dict[str, list[str]]:
     groups: dict[str, list[str]] = {}
     for row in table.rows:
         group, student = (row[columns[name]].strip() for name in _COLUMNS)
+        identifier = row[columns[_IDENTIFIER]] if _IDENTIFIER in columns else ""
         if group and student:
-            groups.setdefault(group, []).append(student)
+            groups.setdefault(group, []).append(_as_in_moodle(student, identifier))
     known = [student for students in groups.values() for student in students]
     if twice := [student for student in dict.fromkeys(known) if known.count(student) > 1]:
         raise ValueError(f"{one_line(file)} has these students more than once: {listed(twice)}")
     return groups
+
+
+def _as_in_moodle(student: str, identifier: str) -> str:
+    """Return the name that a submission would have, where the identifier is a participant's."""
+    match = re.fullmatch(r"Participant (\d+)", identifier.strip())
+    return f"{student}_{match[1]}_assignsubmission_file" if match else student
+
+
+def _key(student: str) -> str:
+    """Return the number of a student in Moodle, whose names differ, or the name of another one."""
+    match = OF_MOODLE.fullmatch(student)
+    return f"Participant {match['number']}" if match else student
 
 
 def in_groups(
@@ -55,12 +74,12 @@ def in_groups(
     folder of each member, ``GROUP-NAME_...``. Without a table, equal copies are a group.
     """
     groups = _of_moodle(handed, rules, tell) if table is None else table
-    where = {name: group for group, students in groups.items() for name in (*students, group)}
+    where = {_key(one): group for group, ones in groups.items() for one in (*ones, group)}
     found: dict[str, list[Handed]] = {}
     alone: list[Handed] = []
     for one in handed:
         name = person(one.student)
-        group = where.get(one.student) or where.get(name) or name.partition("-")[0]
+        group = where.get(_key(one.student)) or where.get(name) or name.partition("-")[0]
         (found.setdefault(group, []) if group in groups else alone).append(one)
     if table is not None and (missing := [group for group in groups if group not in found]):
         tell(f"these groups have no submission: {listed(missing)}")
@@ -79,7 +98,10 @@ def in_groups(
 def _of_group(group: str, ones: Sequence[Handed], students: Sequence[str]) -> Handed:
     # The names of platforms have numbers, which their tables need.
     names = [one.student.removeprefix(f"{group}-") for one in ones]
-    of = {one: [n for n in names if one in (n, person(n))] or [one] for one in students}
+    of = {
+        one: [name for name in names if _key(one) in (_key(name), person(name))] or [one]
+        for one in students
+    }
     members = tuple(one_line(name) for student in students for name in of[student])
     return replace(ones[0], student=one_line(group), members=members)
 

@@ -87,8 +87,8 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     of_moodle = [name for name in students if OF_MOODLE.fullmatch(name)]
     if of_moodle and (others := [name for name in students if name not in of_moodle]):
         warn_user(
-            f"Moodle does not know the folders of {listed(others)} in {one_line(target)}: name "
-            f"these in groups.csv as Moodle does, NAME_NUMBER_assignsubmission_file"
+            f"Moodle does not know the folders of {listed(others)} in {one_line(target)}: take its "
+            f"grading worksheet with a column group as groups.csv, and grade again"
         )
     files = {
         f"{_recipient(student)}/{name}": (place / folder_name(one.student) / name).read_bytes()
