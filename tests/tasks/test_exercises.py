@@ -130,3 +130,13 @@ def test_a_submission_is_checked_by_the_same_cases(tmp_path):
     submission = robsim.teach.Submission(file, functions="voltages")
     (sentence,) = robsim.teach.check_answer(submission, "voltages").sentences
     assert sentence.startswith("The robot turns left")
+
+
+def test_a_mean_pose_may_have_the_circular_mean_of_headings():
+    def mean_pose(particles, weights):
+        x, y, _ = weights @ particles
+        heading = particles[:, 2]
+        return x, y, np.arctan2(weights @ np.sin(heading), weights @ np.cos(heading))
+
+    for seed in range(3):
+        assert robsim.teach.check_answer(mean_pose, seed=seed)
