@@ -96,16 +96,22 @@ def centroid(mask):
 
 
 def random_blobs(rng):
-    """Return red and blue places, in three of four cases with a robot, and its distance."""
-    distance = rng.uniform(30, 60)
-    reds, blues = (rng.uniform(0, 1200, (rng.integers(0, 4), 2)) for _ in range(2))
-    if len(reds) and len(blues) and rng.random() < 0.75:
+    """Return red and blue places, in half of the cases with a robot, and its distance."""
+    distance, kind = rng.uniform(30, 60), rng.integers(4)
+    counts = rng.integers(0, 4, 2) if kind == 0 else (3, 3)
+    reds, blues = (rng.uniform(0, 1200, (count, 2)) for count in counts)
+
+    def beside(place, factor):
         turn = rng.uniform(-3, 3)
-        step = distance * rng.uniform(0.9, 1.1) * np.array((math.cos(turn), math.sin(turn)))
-        near = blues[0] + rng.uniform(3, 10, 2)
-        blues[-1] = reds[0] + step
-        reds = np.vstack((reds, near))  # nearer, and no robot
-    return reds, blues, distance
+        return place + factor * distance * np.array((math.cos(turn), math.sin(turn)))
+
+    if kind == 1:  # a pair that is too near
+        blues[-1] = beside(reds[0], 0.6)
+    if kind > 1:
+        blues[-1] = beside(reds[0], rng.uniform(0.95, 1.05))
+        blues[0] = beside(reds[1], 1.2)  # it fits, but not best
+        reds[2] = beside(blues[1], 0.2)  # the nearest pair
+    return rng.permutation(reds), rng.permutation(blues), distance
 
 
 def distances(reds, blues):

@@ -6,6 +6,7 @@ import robsim
 from robsim.teach.exercises.exercise import exercise
 
 MODEL = robsim.RobotModel()
+OFFSETS = 0.1 * np.eye(3, 5, 4)  # so that d1 counts
 
 
 def state_and_input(rng):
@@ -42,7 +43,7 @@ def predict_state(state, u):
 
 def state_input_theta(rng):
     state, u = state_and_input(rng)
-    return state, u, MODEL.theta * rng.uniform(0.8, 0.99)
+    return state, u, (MODEL.theta + OFFSETS) * rng.uniform(0.8, 0.99, (3, 5))
 
 
 def built(state, u, theta, sign=1.0, rest=True, both=True, swap=False):
@@ -64,7 +65,7 @@ def without_heading(state, u, theta):
 
 @exercise(
     cases=state_input_theta,
-    tolerance=1e-9,
+    tolerance=2e-5,
     hint="Four blocks of (3, 3). Two are diagonal, one is zero; where does the heading come in?",
     mistakes={
         "x and y depend on the heading, too: the column of the heading is missing.": (
@@ -81,6 +82,9 @@ def without_heading(state, u, theta):
         ),
         "The matrix is transposed: row = next state, column = this state.": (
             lambda state, u, theta: built(state, u, theta).T
+        ),
+        "This has the parameters of MODEL: use the argument theta.": (
+            lambda state, u, theta: built(state, u, MODEL.theta)
         ),
         "The speed v has d1, too.": lambda state, u, theta: built(state, u, theta, rest=False),
     },

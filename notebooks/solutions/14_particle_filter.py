@@ -143,7 +143,7 @@ def chosen(weights, start):
 
 def weighted_cloud(rng):
     """Return particles of similar headings, so that any mean of angles is right, and weights."""
-    pose = np.array((*rng.uniform(200, 900, 2), rng.choice((2.98, -2.98))))
+    pose = np.array((*rng.uniform(200, 900, 2), rng.choice((2.98, -2.98, 0.05))))
     particles = pose + rng.uniform(-1, 1, (12, 3)) * (3, 3, 0.2)
     particles[:, 2] = robsim.wrap_angle(particles[:, 2])
     return particles, rng.dirichlet(np.full(12, 3))

@@ -61,7 +61,7 @@ def test_a_notebook_goes_on_with_a_right_answer(capsys):
         assert abs(used(np.array([0, 0, 3]), np.array([-1, -1]))) < 1.1
     told = capsys.readouterr().out
     assert told.count("Hint: ") == 1
-    assert told.startswith("to_the_right is not written yet.")
+    assert told.startswith("to_the_right is not written yet")
     right = robsim.teach.notebook_exercises()["02_park"][0].right
     assert robsim.teach.checked(right) is right
 
@@ -91,6 +91,15 @@ def test_the_first_number_that_differs_is_told():
     (right,) = [e.right for e in robsim.teach.notebook_exercises()[name] if e.name == "jacobian_of"]
     (sentence,) = robsim.teach.check_answer(jacobian_of).sentences
     assert sentence.startswith("[2, 5] of the result of jacobian_of([")
+
+
+def test_a_function_that_changes_its_arguments_is_not_right():
+    def to_the_right(pose, goal):
+        goal -= pose[:2]
+        return robsim.wrap_angle(np.arctan2(goal[1], goal[0]) - pose[2])
+
+    (sentence,) = robsim.teach.check_answer(to_the_right).sentences
+    assert sentence.startswith("It changes its arguments")
 
 
 def test_an_error_has_its_line():

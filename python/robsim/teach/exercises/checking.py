@@ -7,17 +7,22 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.checks import check_int, check_text
 from robsim.base.source_line import line_of_error
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
-from robsim.teach.exercises.exercise import Answer, Exercise, called, drawn_cases, fault_of
+from robsim.teach.exercises.exercise import Answer, Exercise, copies, drawn_cases, fault_of
 from robsim.teach.exercises.shipped import notebook_exercises
 from robsim.teach.grading import Submission
 
 NOT_WRITTEN = "not written"
+_CHANGES = (
+    "It changes its arguments, which its caller still needs: work on a copy, such as pose.copy()."
+)
 _NO_EXERCISE = "answer: there is no exercise"
 _HINT_FROM = 2  # failures
 _failures: Counter[str] = Counter()
@@ -66,7 +71,13 @@ def check_answer(
         if isinstance(answer, Submission):
             results = answer.calls(exercise.name, cases)
         else:
-            results = [called(answer, case) for case in cases]
+            results = []
+            for case in cases:
+                given = copies(case)
+                results.append(answer(*given))
+                pairs = zip(given, case, strict=True)
+                if not all(np.array_equal(*pair, equal_nan=True) for pair in pairs):
+                    return _report(exercise, "wrong", _CHANGES)
     except SubmissionError as error:
         return _report(exercise, "failed", f"{error}.")
     except Exception as error:
@@ -106,7 +117,8 @@ def checked(answer: Answer) -> Callable[..., Any]:
     >>> def to_the_right(pose, goal):
     ...     pass
     >>> to_the_right = robsim.teach.checked(to_the_right)
-    to_the_right is not written yet. Until it is right, this notebook uses an answer of robsim.
+    to_the_right is not written yet: it returns nothing. Until it is right, this notebook uses an
+    answer of robsim.
     """
     exercise = _exercise(getattr(answer, "__name__", ""), _NO_EXERCISE)
     report = check_answer(answer, exercise)
@@ -115,7 +127,7 @@ def checked(answer: Answer) -> Callable[..., Any]:
         return answer
     (problem,) = report.problems
     if problem.kind == NOT_WRITTEN:
-        said = "is not written yet."
+        said = "is not written yet: it returns nothing."
     else:
         said = f"is not right yet: {problem.sentence}"
         _failures[exercise.name] += 1

@@ -132,8 +132,14 @@ def _difference(call: str, result: Any, right: Any, tolerance: float) -> str:
                 else f"the result of {call}"
             )
             place = ", ".join(map(str, at))
-            return f"[{place}] of {what} is {_shown(got[at])}, and must be {_shown(wanted[at])}."
-    return f"{call} returns {_shown(result)}, and must return {_shown(right)}."
+            return f"[{place}] of {what} is {_two(got[at], 'and must be', wanted[at])}."
+    return f"{call} returns {_two(result, 'and must return', right)}."
+
+
+def _two(got: Any, words: str, wanted: Any) -> str:
+    """Return both in a sentence, with as many digits as show that they differ."""
+    digits = next((n for n in (4, 8) if _shown(got, n) != _shown(wanted, n)), 16)
+    return f"{_shown(got, digits)}, {words} {_shown(wanted, digits)}"
 
 
 def _alike(one: Any, other: Any, tolerance: float) -> bool:
@@ -148,10 +154,15 @@ def exercise(**options: Any) -> Callable[[Answer], Exercise]:
     return lambda right: Exercise(right=right, **options)
 
 
+def copies(case: Case) -> list[Any]:
+    """Return copies of the arguments: numbers and arrays."""
+    arrays = (np.array(value) for value in case)
+    return [array if array.ndim else array.item() for array in arrays]
+
+
 def called(answer: Answer, case: Case) -> Any:
     """Return the result of a call with copies of the arguments: numbers, arrays, tuples of both."""
-    copies = (np.array(value) for value in case)
-    return answer(*(value if value.ndim else value.item() for value in copies))
+    return answer(*copies(case))
 
 
 def _parts(result: Any) -> list[NDArray[Any]]:
@@ -175,13 +186,13 @@ def _kind(result: Any) -> str:
     return kinds[0] if len(kinds) == 1 else f"{len(kinds)} results, {', '.join(kinds)}"
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, tuple):
-        return f"({', '.join(map(_shown, value))})"
+def _shown(value: Any, digits: int = 4) -> str:
+    if isinstance(value, tuple) and any(np.ndim(part) for part in value):
+        return f"({', '.join(_shown(part, digits) for part in value)})"
     array = np.asarray(value)
     if not array.ndim:
-        return f"{array.item():.4g}"
+        return f"{array.item():.{digits}g}"
     if array.size > _MOST_SHOWN:
-        first = ", ".join(map(_shown, islice(array.flat, 3)))
+        first = ", ".join(_shown(one, digits) for one in islice(array.flat, 3))
         return f"[{first}, ... of shape {array.shape}]"
-    return f"[{', '.join(map(_shown, array))}]"
+    return f"[{', '.join(_shown(one, digits) for one in array)}]"
