@@ -82,7 +82,7 @@ def test_no_more_than_three_are_kept_and_none_of_no_steps(driven):
     browser.say("drop_ghost", name="run 2")
     assert [*ghosts_of(browser)] == ["run 1", "run 3"]
     browser.say("keep")
-    assert "nothing has run" in browser.take("note")[0]["text"]
+    assert "nothing has run" in browser.take("note", level="error")[0]["text"]
 
 
 def test_the_reference_drives_to_the_goal_where_the_users_controller_does_not():
