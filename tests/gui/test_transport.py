@@ -50,7 +50,7 @@ def test_a_panel_by_its_messages():
         browser.press("reset")
         browser.take("state", state="paused", steps=0)
         browser.press("turbo")
-        assert "turbo" in browser.take("note")[0]["text"]
+        assert "turbo" in browser.take("note", level="error")[0]["text"]
         assert view.close(SOON)
         browser.take("state", state="closed")
 
