@@ -8,38 +8,6 @@ import robsim
 from robsim.teach.exercises.exercise import exercise
 
 
-def some_mask(rng):
-    mask = np.zeros((rng.integers(12, 20), rng.integers(21, 30)), dtype=np.uint8)
-    top, left = rng.integers(0, 6, 2)
-    mask[top : top + rng.integers(2, 6), left : left + rng.integers(8, 14)] = 1
-    mask[top, left] = 0
-    return (mask,)
-
-
-@exercise(
-    cases=some_mask,
-    hint="np.nonzero(mask) gives the rows and the columns of these pixels. Which of both is u?",
-    mistakes={
-        "u and v are exchanged: the first index of an array is the row, that is v.": (
-            lambda mask: np.argwhere(mask).mean(axis=0)
-        ),
-        "Pixels count from 0: there is nothing to add.": (
-            lambda mask: np.argwhere(mask).mean(axis=0)[::-1] + 1
-        ),
-        "This is the middle of the bounding box: take the mean over all pixels.": (
-            lambda mask: (np.argwhere(mask).min(axis=0) + np.argwhere(mask).max(axis=0))[::-1] / 2
-        ),
-        "This is the centre of the whole array: count only nonzero pixels.": (
-            lambda mask: ((mask.shape[1] - 1) / 2, (mask.shape[0] - 1) / 2)
-        ),
-    },
-)
-def mean_pixel(mask):
-    """Return the mean position (u, v) of the nonzero pixels of a mask of shape (H, W)."""
-    rows, columns = np.nonzero(mask)
-    return columns.mean(), rows.mean()
-
-
 def two_markers(rng):
     blue, angle = rng.uniform(100, 500, 2), rng.uniform(-1.4, 1.4) + math.pi * rng.integers(0, 2)
     return blue + 43 * np.array((math.cos(angle), math.sin(angle))), blue

@@ -7,7 +7,6 @@ from robsim.teach import check_assignment, copy_notebooks, grade_submission, loa
 from robsim.teach.assignments import new_assignment
 
 NAMES = [one.name for one in robsim.teach.notebook_exercises()["02_park"]]
-CHECK = "voltages = robsim.teach.checked(voltages)"
 
 
 @pytest.fixture(scope="module")
@@ -31,13 +30,25 @@ def test_it_is_fit_to_grade_by(hw2):
     assert report, report
     got = {title: row["got"] for title, row in report.tables[0].records()}
     assert got["right: the notebook with its answers"] == "9 of 9"
-    assert got["the notebook as students get it"] == "0 of 9"
+    nothing = ("the notebook as students get it", "nothing in it", "hostile: exit", "hostile: hang")
+    assert {got[title] for title in nothing} == {"0 of 9"}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("tag", ["robsim-skip", "of-another-program"])
-def test_a_mistake_costs_its_exercise(hw2, solved, tag):
-    text = solved.read_text(encoding="utf-8").replace("robsim-skip", tag)
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("", ""),
+        ("robsim-skip", "of-another-program"),
+        ('robsim-skip"', '"'),
+        ("= robsim.teach.checked(voltages)", "= checked(voltages)"),
+    ],
+)
+def test_a_mistake_costs_its_exercise(hw2, solved, old, new):
+    text = solved.read_text(encoding="utf-8")
+    assert old in text
+    text = text.replace("robsim-skip", "") if "checked" in old else text
+    text = text.replace(old, new)
     solved.write_text(text.replace("return drive + turn, drive", "return drive - turn, drive"))
     assert failed(hw2, solved) == ["test_voltages_public", "test_voltages_hidden"]
 
@@ -46,18 +57,24 @@ def test_a_mistake_costs_its_exercise(hw2, solved, tag):
 @pytest.mark.parametrize(
     "trick",
     [
-        "from robsim.teach import checked as better\\nvoltages = better(voltages)",
-        "import robsim.teach.exercises as all_of_them\\n"
-        "voltages = all_of_them.notebook_exercises()['02_park'][1].right",
+        "from robsim.teach import checked as better\ndef voltages(drive, turn): ...\n"
+        "voltages = better(voltages)",
+        "from robsim.teach.exercises.shipped import notebook_exercises as all_of_them\n"
+        "voltages = all_of_them()['02_park'][1].right",
     ],
 )
 def test_nobody_gets_points_for_the_answers_of_robsim(hw2, tmp_path, trick):
-    copy_notebooks(tmp_path / "begun")
-    file = tmp_path / "begun/02_park.ipynb"
-    text = file.read_text(encoding="utf-8").replace("robsim-skip", "robsim")
-    assert CHECK in text
-    file.write_text(text.replace(CHECK, trick))
-    assert len(failed(hw2, file)) == 2 * len(NAMES)
+    file = tmp_path / "voltages.py"
+    file.write_text(trick)
+    tests = {test.name: test for test in grade_submission(hw2, file).tests}
+    assert not any(test.points for test in tests.values())
+    assert "is not there for this assignment" in tests["test_voltages_public"].sentence
+
+
+def test_hidden_numbers_are_secret_with_any_seed(hw2, tmp_path):
+    other = new_assignment("02_park", tmp_path / "other", seed=1)
+    hidden = [(made.folder / "hidden_tests.py").read_text() for made in (hw2, other)]
+    assert hidden[0] != hidden[1]
 
 
 def test_its_sheet_names_each_exercise(hw2):

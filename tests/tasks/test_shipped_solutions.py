@@ -7,6 +7,7 @@ import pytest
 
 import robsim
 from robsim.teach import TASKS, Submission, SubmissionError, WorkerLimits, check_isolation
+from robsim.teach.exercises import shipped as exercises
 from robsim.teach.tasks import solutions as _shipped
 from write_solutions import sources_in
 
@@ -90,16 +91,16 @@ def _uses(solution, masked):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("code", [
-    "robsim.teach.ParkTask().solutions",
-    "open(os.path.join(os.path.dirname(robsim.__file__), 'tasks', 'solutions.bin'), 'rb')",
-])  # fmt: skip
-def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, code):
-    if "open" in code and not check_isolation().closed["files"]:
+@pytest.mark.parametrize("packed", [None, _shipped.PACKED, exercises.PACKED])
+def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, packed):
+    if packed is not None and not check_isolation().closed["files"]:
         pytest.skip("files are open here")
+    assert packed is None or packed.is_file()
+    code = f"open({str(packed)!r}, 'rb')" if packed else "robsim.teach.ParkTask().solutions"
     file = tmp_path / "control.py"
-    file.write_text(f"import os\nimport robsim\n{code}\ndef control(step):\n    return 0, 0\n")
+    file.write_text(f"import robsim\n{code}\ndef control(step):\n    return 0, 0\n")
     limits = WorkerLimits(first_call=300, run=600)
     graded = Submission(file, slots="control", masked=TASKS["park"]().masked, limits=limits)
-    with pytest.raises(SubmissionError, match="tasks"):
+    said = packed.name if packed else "robsim.teach.tasks is not there"
+    with pytest.raises(SubmissionError, match=said):
         graded.run(robsim.Scenario(resolution=(200, 200)), steps=2, seed=1)

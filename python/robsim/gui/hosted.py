@@ -192,7 +192,8 @@ def _close_all() -> None:
     for one in [*opened]:
         one._close(AT_EXIT)
     if sys.stdout is not None:
-        sys.stdout.flush()  # in a kernel this waits until all before it is sent
+        with suppress(OSError, ValueError):  # it may be closed
+            sys.stdout.flush()  # in a kernel this waits until all before it is sent
 
 
 def _end_before_zmq() -> None:

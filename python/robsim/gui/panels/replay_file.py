@@ -20,8 +20,10 @@ from robsim.simulation.slots import SLOTS
 FORMAT = "robsim replay 1"
 _MOST_BYTES = 1 << 26
 _MOST_STEPS = 1_000_000
-_KINDS: dict[str, type] = {"scenario": str, "slots": list, "files": dict, "changes": list}
-_KINDS |= {"steps": int, "digest": str, "format": str}
+_KINDS: dict[str, type] = {
+    **{"format": str, "scenario": str, "slots": list, "files": dict, "changes": list},
+    **{"steps": int, "digest": str},
+}
 _MESSAGES = ("set", "go_to", "path")  # of the browser, that change a run
 
 

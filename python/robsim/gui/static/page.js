@@ -52,7 +52,8 @@ function modelOf(socket) {
 }
 
 function open() {
-  const socket = new WebSocket(new URL(`socket?kind=${document.body.dataset.kind}`, location.href.replace("http", "ws")));
+  const place = `socket?kind=${document.body.dataset.kind}`;
+  const socket = new WebSocket(new URL(place, location.href.replace("http", "ws")));
   socket.binaryType = "arraybuffer";
   return socket;
 }

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
+import secrets
 import string
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-
-import numpy as np
 
 from robsim.base.shipped import NOTEBOOKS
 from robsim.teach.exercises import Exercise, notebook_exercises
@@ -19,8 +18,11 @@ _POINTS = {"public": 1, "hidden": 2}
 _MASKED = [f"robsim.teach.{room}" for room in ("tasks", "grading", "assignments", "exercises")]
 
 
-def notebook_files(notebook: str, name: str, rng: np.random.Generator) -> dict[str, bytes]:
-    """Return the files of an assignment by their paths, but for its key."""
+def notebook_files(notebook: str, name: str) -> dict[str, bytes]:
+    """Return the files of an assignment by their paths, but for its key.
+
+    The seed of hidden tests is secret, unlike the numbers of a task, which a seed draws again.
+    """
     content = (NOTEBOOKS / f"{notebook}.ipynb").read_bytes()
     heading = "".join(json.loads(content)["cells"][0]["source"]).splitlines()[0].removeprefix("# ")
     exercises = notebook_exercises()[notebook]
@@ -36,7 +38,7 @@ def notebook_files(notebook: str, name: str, rng: np.random.Generator) -> dict[s
             "sheet.md", heading=heading, notebook=notebook, rows=rows, counts=COUNTS
         ),
     }
-    for kind, seed in (("public", 0), ("hidden", int(rng.integers(2**32)))):
+    for kind, seed in (("public", 0), ("hidden", secrets.randbits(63))):
         texts[f"{kind}_tests.py"] = _tests(notebook, exercises, kind, seed)
     files = {path: text.encode() for path, text in texts.items()}
     files |= {f"start/{file.name}": file.read_bytes() for file in NOTEBOOKS.glob("*.svg")}

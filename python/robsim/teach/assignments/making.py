@@ -27,7 +27,7 @@ from robsim.teach.assignments.assignment_file import (
     solutions_for,
 )
 from robsim.teach.assignments.from_notebook import notebook_files
-from robsim.teach.exercises import notebook_exercises
+from robsim.teach.exercises.shipped import sources
 from robsim.teach.grading.keys import Key
 from robsim.teach.submissions.notebook.choosing import COUNTS
 from robsim.teach.tasks.by_name import task
@@ -160,7 +160,7 @@ def new_assignment(
     name : str, optional
         The name of the assignment. Default: that of the folder.
     seed : int, optional
-        What the numbers are drawn from; the key is always new. Default: an unpredictable one.
+        Seed of the numbers of a task; the key is always new. Default: an unpredictable one.
 
     Returns
     -------
@@ -174,13 +174,13 @@ def new_assignment(
     TypeError, ValueError
         If an argument is wrong; the message names it.
     """
-    known = [*TEMPLATES, *notebook_exercises()]
+    known = [*TEMPLATES, *sources()]
     check_names("there is no template", [check_text("template", template)], known, ValueError)
     place = as_folder(folder)
     title = check_name("name", place.absolute().name if name is None else name)
     if seed is not None:
         check_int("seed", seed, minimum=0, maximum=_MOST_SEED)
-    rng = np.random.default_rng(seed)
+    task = draw(template, np.random.default_rng(seed)) if template in TEMPLATES else None
     try:
         place.mkdir(parents=True)
     except FileExistsError:
@@ -189,10 +189,10 @@ def new_assignment(
         ) from None
     try:
         Key.new().save(place / KEY)
-        if template in TEMPLATES:
-            _fill(place, draw(template, rng), title)
+        if task is None:
+            write_below(place, notebook_files(template, title))
         else:
-            write_below(place, notebook_files(template, title, rng))
+            _fill(place, task, title)
         return load_assignment(place)
     except BaseException:
         shutil.rmtree(place, ignore_errors=True)
@@ -242,7 +242,7 @@ def _rules(task: Task) -> dict[str, str]:
         "title": _toml(_title(task)),
         "slots": _toml(list(kind.slots)),
         "given": _toml(kind.given),
-        "masked": _toml([*kind.masked, "robsim.teach.assignments", "robsim.teach.exercises"]),
+        "masked": _toml([*kind.masked, "robsim.teach.assignments"]),
         "task": _toml(task.name),
         "class": f"robsim.teach.{kind.__name__}",
         "public_title": _toml(f"{kind.title[0].upper()}{kind.title[1:]}"),

@@ -18,8 +18,7 @@ from robsim.teach.assignments.classes.store import ResultFolder
 from robsim.teach.assignments.classes.submissions import Handed
 from robsim.teach.assignments.from_notebook import names_of_tests
 from robsim.teach.assignments.making import START, write_below
-from robsim.teach.exercises import notebook_exercises
-from robsim.teach.exercises.shipped import solved
+from robsim.teach.exercises.shipped import solved, sources
 from robsim.teach.results import SubmissionResult
 from robsim.teach.submissions.imports import masked_in
 from robsim.teach.submissions.python_text import decoded
@@ -31,9 +30,9 @@ _FILES = Path(__file__).parent / "templates/hostile"
 _NOTHING = {"control": "(0.0, 0.0)"}
 
 
-def hostile_submissions(slots: tuple[str, ...]) -> Iterator[tuple[str, dict[str, bytes]]]:
-    """Yield the name of each, and its files by name."""
-    at_each_step = [slot for slot in slots if SLOTS[slot].when == STEP] or slots
+def hostile_submissions(names: tuple[str, ...]) -> Iterator[tuple[str, dict[str, bytes]]]:
+    """Yield the name of each, and its files by name, for slots or functions."""
+    at_each_step = [name for name in names if name in SLOTS and SLOTS[name].when == STEP] or names
     for file in sorted(_FILES.glob("*.py")):
         text = file.read_text(encoding="utf-8")
         yield file.stem, {f"{slot}.py": _for_slot(text, slot) for slot in at_each_step}
@@ -113,13 +112,13 @@ def cast_of(assignment: Assignment) -> list[Part]:
             parts.append(Part(f"gamed: {name}", files, expected, own))
     own_tests = names_of_tests(assignment.functions)
     for file in sorted((assignment.folder / START).glob("*.ipynb")):
-        if file.stem in notebook_exercises():
+        if file.stem in sources():
             begun, right = {file.name: file.read_bytes()}, {file.name: solved(file.stem)}
             parts.append(Part("right: the notebook with its answers", right, FULL, own_tests))
             parts.append(Part("the notebook as students get it", begun, NOTHING, own_tests))
-    nothing = {"notes.txt": b"to do\n"}
-    parts.append(Part("nothing in it", nothing, NOTHING, (*tests, *own_tests)))
-    hostile = hostile_submissions(assignment.slots)
+    tests += own_tests
+    parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
+    hostile = hostile_submissions(assignment.slots or assignment.functions)
     parts += (Part(f"hostile: {name}", files, NOTHING, tests) for name, files in hostile)
     return parts
 

@@ -126,13 +126,9 @@ def _difference(call: str, result: Any, right: Any, tolerance: float) -> str:
         if wanted.size > _MOST_SHOWN and not _alike(got, wanted, tolerance):
             near = np.isclose(got, wanted, _RELATIVE, tolerance, equal_nan=True)
             at = tuple(map(int, np.argwhere(~near)[0]))
-            what = (
-                f"result {number} of {call}"
-                if isinstance(right, tuple)
-                else f"the result of {call}"
-            )
-            place = ", ".join(map(str, at))
-            return f"[{place}] of {what} is {_two(got[at], 'and must be', wanted[at])}."
+            which = f"result {number}" if len(_parts(right)) > 1 else "the result"
+            two = _two(got[at], "and must be", wanted[at])
+            return f"[{', '.join(map(str, at))}] of {which} of {call} is {two}."
     return f"{call} returns {_two(result, 'and must return', right)}."
 
 

@@ -82,11 +82,12 @@ def copy_notebooks(folder: str | PathLike[str], *, solutions: bool = False) -> l
 
     Examples
     --------
-    >>> robsim.teach.copy_notebooks("coursework")[0]
-    PosixPath('coursework/00_panel.ipynb')
+    >>> robsim.teach.copy_notebooks("coursework")[0].name
+    '00_panel.ipynb'
     """
     check_bool("solutions", solutions)
-    files = {file.name: file.read_bytes() for file in sorted(NOTEBOOKS.glob("*.*"))}
+    found = (*sorted(NOTEBOOKS.glob("*.ipynb")), *NOTEBOOKS.glob("*.svg"))
+    files = {file.name: file.read_bytes() for file in found}
     if solutions:
         files |= {f"{name}.ipynb": solved(name) for name in sources()}
     return write_new_files(files, folder)

@@ -99,7 +99,10 @@ def _is_check(node: ast.stmt) -> bool:
     match node:
         case ast.Assign(
             targets=[ast.Name(id=name)],
-            value=ast.Call(func=ast.Attribute(attr="checked"), args=[ast.Name(id=given)]),
+            value=ast.Call(
+                func=ast.Attribute(attr="checked") | ast.Name(id="checked"),
+                args=[ast.Name(id=given)],
+            ),
         ):
             return name == given
     return False
