@@ -110,7 +110,7 @@ def test_what_a_file_does_not_say_comes_from_the_tasks(tmp_path):
     assert found.slots == ("estimate_state",)
     assert found.given == "pose"
     expected = {"estimation.reference", "teach.tasks", "teach.grading", "teach.assignments"}
-    expected |= {"Simulation", "Experiment", "campaign"}
+    expected |= {"Simulation", "Experiment", "campaign", "teach.exercises"}
     assert {f"robsim.{room}" for room in expected} == set(found.masked)
     assert found.own_seeds
     assert found.seconds == 540

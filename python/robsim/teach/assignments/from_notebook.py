@@ -15,7 +15,6 @@ from robsim.teach.submissions.notebook.choosing import COUNTS
 _TEMPLATES = Path(__file__).with_name("templates") / "notebook"
 #: The points of an exercise in each kind of tests.
 _POINTS = {"public": 1, "hidden": 2}
-_MASKED = [f"robsim.teach.{room}" for room in ("tasks", "grading", "assignments", "exercises")]
 
 
 def notebook_files(notebook: str, name: str) -> dict[str, bytes]:
@@ -27,7 +26,7 @@ def notebook_files(notebook: str, name: str) -> dict[str, bytes]:
     heading = "".join(json.loads(content)["cells"][0]["source"]).splitlines()[0].removeprefix("# ")
     exercises = notebook_exercises()[notebook]
     names = [one.name for one in exercises]
-    values = {"name": name, "title": heading, "functions": names, "masked": _MASKED}
+    values = {"name": name, "title": heading, "functions": names}
     points = " | ".join(map(str, _POINTS.values()))
     rows = "\n".join(f"| `{one.name}` | {points} | {one.title} |" for one in exercises)
     texts = {
