@@ -30,6 +30,9 @@ def turned(red, blue, by):
         "It leaves the interval from -pi to pi: wrap it with robsim.wrap_angle.": (
             lambda red, blue: math.atan2(red[1] - blue[1], red[0] - blue[0]) - math.pi / 2
         ),
+        "Angles from -pi to pi, not from 0 to 2 pi.": (
+            lambda red, blue: turned(red, blue, -math.pi / 2) % (2 * math.pi)
+        ),
         "It is in degrees, and must be in radians.": (
             lambda red, blue: math.degrees(turned(red, blue, -math.pi / 2))
         ),

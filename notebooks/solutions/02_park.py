@@ -30,6 +30,14 @@ def without_wrap(pose, goal):
         "math.atan2 takes dy first, then dx.": lambda pose, goal: robsim.wrap_angle(
             math.atan2(goal[0] - pose[0], goal[1] - pose[1]) - pose[2]
         ),
+        "y points down in the image already: do not change its sign.": (
+            lambda pose, goal: robsim.wrap_angle(
+                math.atan2(pose[1] - goal[1], goal[0] - pose[0]) - pose[2]
+            )
+        ),
+        "Angles from -pi to pi, not from 0 to 2 pi.": (
+            lambda pose, goal: without_wrap(pose, goal) % (2 * math.pi)
+        ),
         "It is in degrees, and must be in radians.": lambda pose, goal: math.degrees(
             robsim.wrap_angle(without_wrap(pose, goal))
         ),
@@ -51,8 +59,7 @@ def to_the_right(pose, goal):
         "The robot turns left for a positive turn: exchange the wheels.": (
             lambda drive, turn: (drive - turn, drive + turn)
         ),
-        "Each wheel gets the turn that both together are to have: add all of it to one and "
-        "subtract all of it from the other.": (
+        "Each wheel gets half of the turn: it must get all of it.": (
             lambda drive, turn: (drive + turn / 2, drive - turn / 2)
         ),
         "One wheel gets the turn, the other none: one becomes faster, the other slower.": (
@@ -84,6 +91,12 @@ def voltages(drive, turn):
         "The limit comes last, so that the cosine changes nothing far from the goal: limit first, "
         "then multiply by the cosine.": lambda distance, error: min(
             0.5, 0.004 * distance * math.cos(error)
+        ),
+        "At most 0.5 V is min, not max.": (
+            lambda distance, error: max(0.5, 0.004 * distance) * math.cos(error)
+        ),
+        "Behind the robot the drive is negative: it drives backwards.": (
+            lambda distance, error: min(0.5, 0.004 * distance) * abs(math.cos(error))
         ),
         "The cosine takes radians, and the error is in radians already.": (
             lambda distance, error: min(0.5, 0.004 * distance) * math.cos(math.radians(error))

@@ -40,6 +40,13 @@ def factors_at(heading):
         "The older heading jumps where the robot crosses the negative x axis: unwrap it.": (
             lambda p1, p2, u: rows(p1, p2, u, p2[2], factors_at(p1[2]))
         ),
+        "pose_1 is the newer one: it comes first in each row.": lambda p1, p2, u: [
+            (row[1], row[0], *row[2:])
+            for row in rows(p1, p2, u, unwrapped(p1, p2), factors_at(p1[2]))
+        ],
+        "Keep the newer heading, and move the older one.": lambda p1, p2, u: rows(
+            (*p1[:2], p2[2] + robsim.wrap_angle(p1[2] - p2[2])), p2, u, p2[2], factors_at(p1[2])
+        ),
         "Cosine belongs to x, sine to y.": lambda p1, p2, u: rows(
             p1, p2, u, unwrapped(p1, p2), (math.sin(p1[2]), math.cos(p1[2]), 1.0)
         ),

@@ -80,6 +80,11 @@ def without_heading(state, u, theta):
         "The last three rows say that the pose becomes the pose before: an identity.": (
             lambda state, u, theta: built(state, u, theta, both=False)
         ),
+        "The next previous pose is this pose: its identity stands in the first three columns.": (
+            lambda state, u, theta: (
+                built(state, u, theta, both=False) + np.pad(np.eye(3), ((3, 0), (3, 0)))
+            )
+        ),
         "The matrix is transposed: row = next state, column = this state.": (
             lambda state, u, theta: built(state, u, theta).T
         ),
@@ -127,6 +132,16 @@ def predicted(state, P, u, Q, theta, at=None, place=slice(3)):
         "Q belongs to the new pose, the first three numbers of the state.": (
             lambda *given: predicted(*given, place=slice(3, 6))
         ),
+        "The state moves by predict_state, not by the Jacobian.": (
+            lambda state, P, u, Q, theta: (
+                jacobian_of(state, u, theta) @ state,
+                predicted(state, P, u, Q, theta)[1],
+            )
+        ),
+        "Only the new pose gets new noise, not the old one.": lambda state, P, u, Q, theta: (
+            predict_state(state, u),
+            predicted(state, P, u, Q, theta)[1] + np.pad(Q, ((3, 0), (3, 0))),
+        ),
         "The Jacobian belongs to the old state: compute it before you predict.": (
             lambda state, P, u, Q, theta: predicted(
                 state, P, u, Q, theta, at=predict_state(state, u)
@@ -164,6 +179,9 @@ def ekf_predict(state, P, u, Q, theta):
         "The correlations count, too: this has the diagonal of S alone.": lambda e, S: (
             e**2 / np.diag(S)
         ).sum(),
+        "1 / S inverts each number: np.linalg.inv(S) inverts the matrix.": (
+            lambda e, S: e @ (1 / S) @ e
+        ),
         "The covariance is missing in it.": lambda e, S: e @ e,
         "This is half of it.": lambda e, S: 0.5 * e @ np.linalg.solve(S, e),
     },

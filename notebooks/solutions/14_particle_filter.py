@@ -42,11 +42,19 @@ def without_shift(particles, z, sigma):
         return weights / weights.sum()
 
 
+def tiny_added(particles, z, sigma):
+    weights = np.exp(-0.5 * ((errors_of(particles, z) / sigma) ** 2).sum(axis=1)) + 1e-300
+    return weights / weights.sum()
+
+
 @exercise(
     cases=far_and_sigma,
     hint="Errors (N, 3), exponents (N,), weights (N,): one line for each. What do far ones need?",
     mistakes={
         "All weights of far particles are 0: subtract the largest exponent first.": without_shift,
+        "A small number makes all far particles alike: subtract the largest exponent.": (
+            tiny_added
+        ),
         "Wrap the error of the heading.": lambda particles, z, sigma: normalised(
             -0.5 * ((errors_of(particles, z, wrapped=False) / sigma) ** 2).sum(axis=1)
         ),
@@ -121,6 +129,10 @@ def weights_and_start(rng):
             lambda weights, start: np.searchsorted(
                 weights, (start + np.arange(len(weights))) / len(weights)
             )
+        ),
+        "Divide the start by N, too.": lambda weights, start: np.minimum(
+            np.searchsorted(np.cumsum(weights), start + np.arange(len(weights)) / len(weights)),
+            len(weights) - 1,
         ),
         "One start shifts all points: all have the same distance.": (
             lambda weights, start: np.searchsorted(
