@@ -529,7 +529,7 @@ def test_one_of_a_class_is_graded_without_a_table(hw3, folders, ran):
     gradescope = out.parent / "results.json"
     result = grade_submission(hw3, subs / "s003", out, only="shown", gradescope=gradescope)
     assert ran == [("s003", "shown")]
-    assert result == result_of(out, "s003")
+    assert result.to_json() == result_of(out, "s003").to_json()
     assert json.loads(gradescope.read_text())["score"] == result.points
     (again,) = grade_class(hw3, subs / "s003", out, only="shown").results
     assert again == result
