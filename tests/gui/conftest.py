@@ -1,6 +1,8 @@
 """Panels for the tests, in a browser too."""
 
+import sys
 import threading
+import traceback
 
 import pytest
 
@@ -92,6 +94,24 @@ def chromium():
     tests, where tests of other modules want to run theirs.
     """
     yield from running_chromium()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Add to a failure in a browser what each page says, and where the threads of robsim are."""
+    report = yield
+    browser = item.funcargs.get("chromium")
+    if report.failed and call.when == "call" and browser is not None:
+        for tab in (tab for context in browser.contexts for tab in context.pages):
+            busy = tab.evaluate("[...document.querySelectorAll(':disabled')].map((e) => e.name)")
+            said = f"{tab.evaluate('document.body.innerText')}\ndisabled: {busy}"
+            report.sections.append(("page", said))
+        frames = sys._current_frames()
+        for thread in threading.enumerate():
+            if thread.name.startswith("robsim") and thread.ident in frames:
+                stack = traceback.format_stack(frames[thread.ident], 8)
+                report.sections.append((thread.name, "".join(stack)))
+    return report
 
 
 @pytest.fixture
