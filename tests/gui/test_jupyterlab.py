@@ -2,7 +2,9 @@
 
 import contextlib
 import json
+import os
 import re
+import signal
 from urllib.request import Request, urlopen
 
 import numpy as np
@@ -23,8 +25,10 @@ pytestmark = pytest.mark.slow
 SHOW = """import robsim, threading, time
 panel = robsim.panel(robsim.Simulation(measure=True, seed=1))
 panel"""
-TELL = """names = [thread.name for thread in threading.enumerate()]
+TELL = """import os
+names = [thread.name for thread in threading.enumerate()]
 print(panel)
+print(os.getpid())
 print(names.count("robsim driver"), names.count("robsim view"))"""
 CELLS = [SHOW, TELL, "time.sleep(3600)"]
 PANEL = ".robsim[data-state='{}']"
@@ -67,10 +71,10 @@ def start(lab):
 
 
 def told(lab):
-    """What Python says of the panel, and how many threads of each kind there are."""
+    """What Python says of the panel, how many threads of each kind there are, and its process."""
     lab.run(1)
-    *text, numbers = lab.output(1).strip().splitlines()
-    return " ".join(text), [*map(int, numbers.split())]
+    *text, process, numbers = lab.output(1).strip().splitlines()
+    return " ".join(text), [*map(int, numbers.split())], int(process)
 
 
 def wait_for_pictures(lab, count):
@@ -107,6 +111,23 @@ def check_a_cell_that_is_run_again_ends_the_run_that_it_showed(lab):
     shown(lab, "paused")
     start(lab)
     assert told(lab)[1] == [1, 1]  # threads of each kind
+
+
+def check_a_panel_says_that_its_kernel_is_gone(lab):
+    is_inert = "button => button.closest('[inert]') !== null"
+    agree = ".jp-Dialog button.jp-mod-accept"
+    ends = [
+        lambda: os.kill(told(lab)[2], signal.SIGKILL),
+        lambda: lab.command("notebook:restart-kernel"),
+    ]
+    for end in ends:
+        lab.run(0)
+        shown(lab, "paused")
+        start(lab)
+        end()
+        lab.page.click(agree)
+        lab.page.wait_for_selector(".robsim[data-line=cut]")
+        assert lab.page.locator("button[name=pause]").evaluate(is_inert)
 
 
 def check_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server):
@@ -189,6 +210,7 @@ def test_a_panel_and_a_tool_in_a_notebook(chromium, lab, file, server, monkeypat
     """All in one test: the server starts once, whoever runs it."""
     check_it_runs_beside_a_busy_cell_until_that_is_interrupted(lab)
     check_a_cell_that_is_run_again_ends_the_run_that_it_showed(lab)
+    check_a_panel_says_that_its_kernel_is_gone(lab)
     lab.run(0)
     shown(lab, "paused")
     check_a_saved_notebook_keeps_the_picture_of_the_last_pause(lab, file, server)

@@ -154,12 +154,12 @@ class Lab:
             self._cell(i).locator(".cm-content").click(position={"x": 5, "y": 5})
             self.page.keyboard.press("Control+Enter")
             for _ in range(1000 // _TICK):
-                if self._number(i) != before:
+                if has_begun := self._number(i) != before:  # the same again in a new kernel
                     break
                 self.page.wait_for_timeout(_TICK)
             while until_done and self.is_busy(i):
                 self.page.wait_for_timeout(_TICK)
-            if self._number(i) != before:
+            if has_begun:
                 return
         raise RuntimeError(f"cell {i} does not run")
 
