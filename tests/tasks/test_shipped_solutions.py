@@ -35,6 +35,12 @@ def test_all_are_programs_that_say_what_they_are():
         assert len(said) == len(kind().solutions)
 
 
+def test_all_do_without_the_room_that_a_course_may_delete():
+    solutions = [one for kind in TASKS.values() for one in kind().solutions]
+    texts = [content for one in solutions for content in one.files.values()]
+    assert not any(b"estimation.reference" in text for text in texts)
+
+
 @pytest.mark.long
 def test_no_file_that_is_installed_shows_one():
     solutions = [one for kind in TASKS.values() for one in kind().solutions]
