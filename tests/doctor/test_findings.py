@@ -34,9 +34,9 @@ def finding(sources, slots, masked):
 def test_of_what_ships_it_is_of_the_solution_alone(name):
     task = TASKS[name]()
     told = []
-    for one in task.solutions:
-        if one.is_right and one.name != "reference" and not thorough(True, False):
-            continue
+    wrong = [one for one in task.solutions if not one.is_right]
+    reference = [one for one in task.solutions if one.name == "reference"]
+    for one in thorough(task.solutions, [*reference, *wrong[::3]]):
         sources = {f"{module}.py": content for module, content in one.files.items()}
         said = finding({**sources, f"{MODULE}.py": module_source(task)}, task.slots, task.masked)
         assert NOT_HERE not in said

@@ -163,9 +163,14 @@ def test_it_keeps_the_robot_going_while_python_does_something_else(robot):
         assert robot.counts.old == 0
 
 
-@pytest.mark.parametrize("is_recorded", [False, True], ids=["", "recorded"])
 @pytest.mark.parametrize(
-    "holds", [LONGER_AND_LONGER, pytest.param([16], marks=pytest.mark.slow)], ids=["short", "16 s"]
+    ("holds", "is_recorded"),
+    [
+        (LONGER_AND_LONGER, False),
+        (LONGER_AND_LONGER, True),
+        pytest.param([16], True, marks=pytest.mark.slow),
+    ],
+    ids=["short", "short-recorded", "16 s-recorded"],
 )
 def test_the_watchdog_needs_no_interpreter(tmp_path, holds, is_recorded):
     if is_recorded:
