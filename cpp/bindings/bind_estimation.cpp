@@ -194,7 +194,7 @@ RuntimeError
 Notes
 -----
 theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
-plus forgetting^N |theta|^2 / initial_covariance. The covariance is kept as P = U D U' (Bierman,
+plus ``forgetting^N |theta|^2 / initial_covariance``. The covariance is kept as P = U D U' (Bierman,
 Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot
 make it asymmetric or indefinite, whatever the number of samples.
 

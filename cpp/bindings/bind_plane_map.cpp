@@ -277,9 +277,9 @@ TypeError, ValueError
 
 Notes
 -----
-The floor's homography to ideal pixels is K [r1 r2 t], times a number, which |r1| = |r2| = 1 gives
-(the mean of both, as they are measured); that of the height h is K [r1 r2 t + h n], where
-n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
+The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2
+unit vectors (the mean of both, as they are measured). At the height h it is K [r1 r2 t + h n],
+where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
 calibration, PAMI 22(11), 2000.
 )");
   define_map(plane_map, "to_world", &PlaneMap::to_world, "pixels", R"(

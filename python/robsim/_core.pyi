@@ -194,9 +194,9 @@ class PlaneMap:
         
         Notes
         -----
-        The floor's homography to ideal pixels is K [r1 r2 t], times a number, which |r1| = |r2| = 1 gives
-        (the mean of both, as they are measured); that of the height h is K [r1 r2 t + h n], where
-        n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
+        The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2
+        unit vectors (the mean of both, as they are measured). At the height h it is K [r1 r2 t + h n],
+        where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
         calibration, PAMI 22(11), 2000.
         """
     def to_pixel(self, positions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
@@ -1246,7 +1246,7 @@ class RecursiveLeastSquares:
     Notes
     -----
     theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
-    plus forgetting^N |theta|^2 / initial_covariance. The covariance is kept as P = U D U' (Bierman,
+    plus ``forgetting^N |theta|^2 / initial_covariance``. The covariance is kept as P = U D U' (Bierman,
     Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot
     make it asymmetric or indefinite, whatever the number of samples.
     

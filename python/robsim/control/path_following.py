@@ -238,7 +238,7 @@ class GoToPoint(_Drive):
     -----
     The default robot slides sideways, as a hovercraft does: turning it does not turn its path. The
     control law is therefore one of forces. The distance gives the wanted velocity, the velocity
-    error gives a force, and the robot turns its axis towards that force:
+    error gives a force, and the robot turns its axis towards that force::
 
         wanted velocity = distance_gain (goal - position), at most maximum_speed
         force = speed_gain (wanted velocity - velocity)

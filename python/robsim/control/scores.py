@@ -116,7 +116,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     -----
     The path is p(0) -> p(1) -> ... -> p(N), from the first pose through the waypoints. With j
     waypoints reached at step k, only the segment p(j) -> p(j+1) counts; after the last waypoint it
-    is the point p(N):
+    is the point p(N)::
 
         error(k) = distance of (x(k), y(k)) from the nearest point of p(j) -> p(j+1)
 

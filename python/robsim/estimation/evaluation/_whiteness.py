@@ -155,7 +155,7 @@ def whiteness(
 
     Notes
     -----
-    With w whitened, its mean assumed 0 (a bias is not white), and m_k pairs at lag k of N values:
+    With w whitened, its mean assumed 0 (a bias is not white), and m_k pairs at lag k of N values::
 
         r_k = mean of w(t) w(t+k) / mean of w(t)^2
         Q   = (N + 2)/N sum_k m_k r_k^2,  chi2(lags) distributed if w is white
@@ -257,7 +257,7 @@ def standard_error_of_mean(values: Floats) -> float:
 
     It is taken for stationary; NaN = not known, and left out. The result is NaN for fewer than two
     values. With the autocovariances c_k of N values, and the pairs G_j = c_2j + c_2j+1 up to the
-    last that is positive in a row:
+    last that is positive in a row::
 
         variance of the mean = (2 sum_j G_j - c_0) / N, at least c_0 / N
 

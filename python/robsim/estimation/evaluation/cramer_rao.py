@@ -154,7 +154,7 @@ def posterior_cramer_rao_bound(
     -----
     The recursion for the information J of Tichavsky, Muravchik and Nehorai, Posterior Cramér-Rao
     bounds for discrete-time nonlinear filtering, IEEE Trans. Signal Processing 46(5), 1998, for
-    additive Gaussian noise, and with the expectations replaced by the values at one trajectory:
+    additive Gaussian noise, and with the expectations replaced by the values at one trajectory::
 
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
