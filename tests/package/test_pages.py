@@ -51,11 +51,10 @@ def test_the_programs_of_a_page_print_its_tables(page):
 
 @with_pages
 def test_pages_show_pictures_and_pages_that_are_there():
-    readme = (SITE.parents[1] / "README.md").read_text(encoding="utf-8")
     for page in PAGES:
         links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
-        assert [link for link in links if not (SITE / link).is_file()] == []
-        assert f"(notebooks/site/{page.name})" in readme
+        made = [link for link in links if link.startswith("reference/")]  # by ./run docs
+        assert [link for link in links if not (SITE / link).is_file()] == made
 
 
 @pytest.fixture(scope="module")

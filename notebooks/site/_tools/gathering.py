@@ -1,0 +1,63 @@
+"""The sources of the site: files of the repository, and pages made from the program itself."""
+
+import os
+import re
+from pathlib import Path
+
+import reference
+
+ROOT = Path(__file__).parents[3]
+NOTEBOOKS = ROOT / "notebooks"
+SITE = NOTEBOOKS / "site"
+PACKAGE = ROOT / "python/robsim"
+PROJECT = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
+
+
+def places():
+    """Return the place in the site of each file of the repository that is in it."""
+    found = {ROOT / "README.md": Path("guide.md")}
+    for file in sorted(SITE.rglob("*")):
+        inside = file.relative_to(SITE)
+        if file.is_file() and not inside.parts[0].startswith("_") and file.suffix != ".py":
+            found[file] = inside
+    for file in [*NOTEBOOKS.glob("*.ipynb"), *NOTEBOOKS.glob("*.svg")]:
+        found[file] = Path("notebooks") / file.name
+    for name in PROJECT:
+        found[ROOT / name] = Path("project") / name
+    for name in ("ARCHITECTURE.md", "PROTOCOL.md"):
+        for file in PACKAGE.rglob(name):
+            found[file] = Path("project") / file.relative_to(PACKAGE)
+    return found
+
+
+def with_links(text, file, where):
+    """Return the text of a file with links that are right at its place in the site."""
+    here = where[file].parent
+
+    def moved(link):
+        target = (file.parent / link[2]).resolve()
+        if "://" in link[2] or not target.exists():
+            return link[0]
+        to = where.get(target) or os.path.relpath(target, FOLDER / here)
+        return link[1] + (os.path.relpath(to, here) if target in where else str(to))
+
+    return re.sub(r"(\]\()([^)#\s]+)", moved, text)
+
+
+FOLDER = ROOT / "build/docs/source"
+
+
+def gather(folder):
+    """Write all sources into a folder; what is unchanged there keeps its time."""
+    where = places()
+    pages = dict(reference.pages())
+    for file, place in where.items():
+        data = file.read_bytes()
+        if file.suffix in (".md", ".ipynb"):
+            data = with_links(data.decode(), file, where).encode()
+        pages[place] = data
+    for place, data in pages.items():
+        path = folder / place
+        if not path.exists() or path.read_bytes() != data:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
