@@ -1,9 +1,7 @@
-"""``robsim demo``, and every command of the README and of a --help."""
+"""``robsim demo``, and every command of a page and of a --help."""
 
 import json
-import re
 import shlex
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +12,7 @@ import robsim
 from commands import command
 from commands import command as run_command
 from photographed_sheets import OBLIQUE, board_pictures, floor_picture
+from prose import SITE, blocks
 from robsim.cli import app
 from robsim.lab import Chessboard
 from robsim.vision import load_robot, save_image, save_robot
@@ -69,8 +68,12 @@ def test_the_version():
 # --- documented commands
 
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-SHELL = "".join(re.findall(r"```sh\n(.*?)```", README, re.DOTALL))
+#: In the order of reading: one page makes the folder that the next one uses.
+READ = (
+    *("install", "panel", "folders", "tasks", "compare", "assignments", "own_tests", "videos"),
+    *("real_robot", "laboratory", "colors_robots", "poses", "speed"),
+)
+SHELL = "".join(line for name in READ for line in blocks(SITE / f"{name}.md", "sh"))
 
 
 def commands_of(group):

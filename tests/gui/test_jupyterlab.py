@@ -71,7 +71,7 @@ def start(lab):
 
 
 def told(lab):
-    """What Python says of the panel, how many threads of each kind there are, and its process."""
+    """Return the words of Python on the panel, the number of threads of each kind, its process."""
     lab.run(1)
     *text, process, numbers = lab.output(1).strip().splitlines()
     return " ".join(text), [*map(int, numbers.split())], int(process)

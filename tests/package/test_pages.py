@@ -6,17 +6,15 @@ import io
 import re
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robsim
 from bench_campaign import dask_tasks, parent, scaling
+from prose import PAGES, README, ROOT, SITE, blocks
 from robsim.campaigns import CampaignSpec
 
-ROOT = Path(__file__).parents[2]
-SITE = ROOT / "notebooks/site"
 SCRIPT = ROOT / "assets/draw_sensitivity.py"
 pytestmark = pytest.mark.long
 
@@ -27,11 +25,12 @@ with_script = pytest.mark.skipif(not SCRIPT.is_file(), reason="needs the sources
 # --- programs and tables
 
 
-PAGES = sorted(SITE.glob("*.md"))
+#: Of the grader and of a laboratory: test_readme.py runs them.
+APART = ("def test_", "send=motors")
 
 
 def programs(page):
-    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    return [one for one in blocks(page) if not any(mark in one for mark in APART)]
 
 
 WITH_PROGRAMS = [page for page in PAGES if programs(page)]
@@ -39,22 +38,23 @@ WITH_PROGRAMS = [page for page in PAGES if programs(page)]
 
 @with_pages
 @pytest.mark.parametrize("page", WITH_PROGRAMS, ids=lambda page: page.stem)
-def test_the_programs_of_a_page_print_its_tables(page):
+def test_the_programs_of_a_page_print_its_tables(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     text = page.read_text(encoding="utf-8")
     for program in programs(page):
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            exec(program, {})
+            exec(program, {"__name__": "__main__"})
         rows = [line for line in printed.getvalue().splitlines() if line.startswith("|")]
         assert "\n".join(rows) in text
 
 
-@with_pages
+@with_script
 def test_pages_show_pictures_and_pages_that_are_there():
-    for page in PAGES:
+    for page in (README, *PAGES):
         links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
         made = [link for link in links if link.startswith("reference/")]  # by ./run docs
-        assert [link for link in links if not (SITE / link).is_file()] == made
+        assert [link for link in links if not (page.parent / link).is_file()] == made
 
 
 @pytest.fixture(scope="module")

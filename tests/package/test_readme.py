@@ -1,31 +1,27 @@
-"""Every block of the README runs as a reader would run it."""
+"""The README and programs of pages run as a reader would run them."""
 
 import contextlib
 import io
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robsim
 from commands import command
+from prose import PAGES, README, ROOT, blocks, page
 from sizes import thorough
 
 pytestmark = pytest.mark.long
 
-ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+BLOCKS = [one for page in (README, *PAGES) if page.stem != "sensitivity" for one in blocks(page)]
 GRADING = [block for block in BLOCKS if "def test_" in block]
 PROGRAMS = [block for block in BLOCKS if block not in GRADING]
 LABS = [block for block in PROGRAMS if "send=motors" in block]
-# The first one and that of the lab have tests of their own.
-OTHERS = [block for block in PROGRAMS[1:] if block not in LABS]
 
-# What the README prints a verdict of.
+# Verdicts that pages print.
 VERDICTS = (
     "robsim.score_path(trace, square)",
     "robsim.identifiability(trace)",
@@ -40,16 +36,10 @@ def python(*arguments, cwd):
     return subprocess.run(words, cwd=cwd, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("block", OTHERS, ids=range(len(OTHERS)))
-def test_a_block_runs(block, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    exec(block, {"__name__": "__main__"})
-
-
 @pytest.mark.slow
 def test_the_grading_passes_right_callbacks_and_fails_wrong_and_untouched_ones(tmp_path):
     (grading,) = GRADING
-    (line,) = re.findall(r"^python (-m pytest .*)$", README, re.MULTILINE)
+    (line,) = re.findall(r"^python (-m pytest .*)$", page("own_tests"), re.MULTILINE)
     grade = (*line.split(), "-p", "pytest_robsim", "-p", "no:cacheprovider", "-q")
     (tmp_path / "grade_public.py").write_text(grading)
     command("new", "mine", cwd=tmp_path)
@@ -73,9 +63,9 @@ def test_the_grading_passes_right_callbacks_and_fails_wrong_and_untouched_ones(t
 @pytest.mark.parametrize("expression", VERDICTS)
 def test_the_examples_give_the_same_verdict_for_other_seeds(expression):
     wanted = re.sub(r"\s", "", expression)
-    blocks = [block for block in PROGRAMS if wanted in re.sub(r"\s", "", block)]
-    assert blocks
-    for block in blocks:
+    shown = [block for block in PROGRAMS if wanted in re.sub(r"\s", "", block)]
+    assert shown
+    for block in shown:
         verdicts = {verdict_of(block, expression, seeds) for seeds in range(thorough(6, 2))}
         assert len(verdicts) == 1, verdicts
 
@@ -122,13 +112,14 @@ def test_the_first_block_is_five_lines_and_ends_with_a_picture():
     assert np.ptp(names["trace"].pose_true[:, :2], axis=0).max() > 100  # the robot drives
 
 
-def test_the_readme_names_what_there_is():
-    rows = re.findall(r"^\| `(\w+)` \|.*\|.*\|.*\|$", README, re.MULTILINE)
+def test_the_pages_name_what_there_is():
+    rows = re.findall(r"^\| `(\w+)` \|.*\|.*\|.*\|$", page("callbacks"), re.MULTILINE)
     assert rows == [*robsim.Simulation.SLOTS]
-    if not (ROOT / "assets").is_dir() or not (ROOT / "run").is_file():
+    text = README.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 120
+    assert len(text.encode()) <= 8000
+    if not (ROOT / "run").is_file():
         pytest.skip("needs the sources")
-    for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", README):
-        assert (ROOT / name).is_file()
     script = (ROOT / "run").read_text()
-    for word in re.findall(r"^\./run (\w+)", README, re.MULTILINE):
+    for word in re.findall(r"^\./run (\w+)", text, re.MULTILINE):
         assert re.search(rf"^  (\w+ \| )*{word}( \| \w+)*\)", script, re.MULTILINE)

@@ -15,7 +15,7 @@ PROJECT = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
 
 def places():
     """Return the place in the site of each file of the repository that is in it."""
-    found = {ROOT / "README.md": Path("guide.md")}
+    found = {}
     for file in sorted(SITE.rglob("*")):
         inside = file.relative_to(SITE)
         if file.is_file() and not inside.parts[0].startswith("_") and file.suffix != ".py":
@@ -48,7 +48,7 @@ FOLDER = ROOT / "build/docs/source"
 
 
 def gather(folder):
-    """Write all sources into a folder; what is unchanged there keeps its time."""
+    """Write all sources into a folder; unchanged files keep their time."""
     where = places()
     pages = dict(reference.pages())
     for file, place in where.items():

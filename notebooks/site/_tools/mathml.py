@@ -15,7 +15,7 @@ def inline(writer, node):
 
 
 def block(writer, node):
-    """Write a formula on lines of its own."""
+    """Write a formula as a block."""
     _write(writer, node, as_block=True)
 
 
