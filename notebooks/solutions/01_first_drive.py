@@ -21,7 +21,7 @@ def turned(red, blue, by):
     cases=two_markers,
     hint="First compute the direction from blue to red. A quarter of a turn is pi / 2.",
     mistakes={
-        "The robot looks the other way: clockwise angles are positive, since v points down.": (
+        "Half a turn off: is your direction from blue to red? Which way is the quarter turn?": (
             lambda red, blue: turned(red, blue, math.pi / 2)
         ),
         "This is the direction from blue to red: the heading is perpendicular to it.": (
@@ -49,9 +49,11 @@ def heading_of(red, blue):
 
 @exercise(
     cases=lambda rng: (rng.uniform(-3.1, 3.1), rng.uniform(-3.1, 3.1)),
-    hint="Which function of robsim brings an angle back to the interval from -pi to pi?",
+    hint="Take 3 and -3 rad: how far apart are these headings, and what does your function return?",
     mistakes={
-        "Wrap the difference: robsim.wrap_angle.": lambda measured, true: measured - true,
+        "Wrap the difference, in radians, after you subtract: robsim.wrap_angle.": (
+            lambda measured, true: measured - true
+        ),
         "The sign is wrong: an error is measured minus true.": (
             lambda measured, true: robsim.wrap_angle(true - measured)
         ),

@@ -39,6 +39,12 @@ def exchanged_transpose(x, P, T, Q):
     return F @ x, F.T @ P @ F + G @ Q @ G.T
 
 
+def lower_left(x, P, T, Q):
+    F, G = matrices(T)
+    F = np.block([[UNIT, 0 * UNIT], [T * UNIT, UNIT]])
+    return F @ x, F @ P @ F.T + G @ Q @ G.T
+
+
 def old_P(x, P, T, Q):
     F, G = matrices(T)
     return F @ x, P + G @ Q @ G.T
@@ -58,6 +64,12 @@ def old_P(x, P, T, Q):
         "P is F P F', with the transposed F on its right.": without_transpose,
         "F and its transpose are exchanged: in F P F' the transposed one is on the right.": (
             exchanged_transpose
+        ),
+        "T stands in the wrong corner of F: the velocity moves the pose, not the other way.": (
+            lower_left
+        ),
+        "The halves of G are exchanged: the upper one is for the pose.": (
+            lambda x, P, T, Q: predicted(x, P, T, Q, np.vstack((T * UNIT, T**2 / 2 * UNIT)))
         ),
         "P is not moved on with F: positions also become uncertain because the velocity is.": old_P,
         "The pose moves by T**2 / 2 times the acceleration; check the upper half of G.": (
@@ -86,7 +98,7 @@ def pose_and_state(rng):
 @exercise(
     cases=pose_and_state,
     hint="Subtract first, then look at the third number alone: which function of robsim did you "
-    "need for an angle in Park?",
+    "need for an angle in First drive?",
     mistakes={
         "The difference of the headings leaves the interval from -pi to pi.": (
             lambda z, x: z - x[:3]
@@ -150,6 +162,12 @@ def backwards(x, P, innovation, R):
     return x - K @ innovation, P - K @ S @ K.T
 
 
+def each_number_inverted(x, P, innovation, R):
+    S = H @ P @ H.T + R
+    K = P @ H.T @ (1 / S)
+    return x + K @ innovation, P - K @ S @ K.T
+
+
 def from_zero(x, P, innovation, R):
     S = H @ P @ H.T + R
     K = gain(P, S)
@@ -163,8 +181,7 @@ def from_zero(x, P, innovation, R):
         rng.normal(size=3),
         covariance(rng, 3),
     ),
-    hint="One line each: S (3, 3), K (6, 3), then x and P. With which S would a measurement count "
-    "as exact?",
+    hint="One line each: S (3, 3), K (6, 3), then x and P. What are the shapes of your S and K?",
     mistakes={
         "S has only the doubt about the prediction: the measurement counts as exact.": (
             lambda x, P, innovation, R: updated(x, P, innovation, H @ P @ H.T)
@@ -172,6 +189,7 @@ def from_zero(x, P, innovation, R):
         "S has only the doubt about the measurement: the prediction counts as exact.": (
             lambda x, P, innovation, R: updated(x, P, innovation, R)
         ),
+        "1 / S inverts each number: np.linalg.inv(S) inverts the matrix.": each_number_inverted,
         "x moves away from the measurement: check the sign.": backwards,
         "The result is the correction alone: the old x is missing.": from_zero,
         "x is right, P is unchanged: a measurement makes it smaller.": old_covariance,

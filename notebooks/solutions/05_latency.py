@@ -19,7 +19,7 @@ def mean_of(u, newer, older, part):
     cases=late_inputs,
     hint="Split the delay into whole steps and the rest. Which two inputs act, and for how long?",
     mistakes={
-        "The weights are exchanged: the older input acts for the part after the point.": (
+        "The weights are exchanged: with a delay of 2.4, the older input acts for 0.4 of a step.": (
             lambda u, k, delay: mean_of(
                 u, k - int(delay), k - int(delay) - 1, 1 - (delay - int(delay))
             )
@@ -51,6 +51,12 @@ def never_before(pose, pose_before, inputs):
     return pose
 
 
+def overwritten(pose, pose_before, inputs):
+    for u in inputs:
+        pose = pose_before = MODEL.predict(pose, pose_before, u)
+    return pose
+
+
 def exchanged(pose, pose_before, inputs):
     for u in inputs:
         pose, pose_before = MODEL.predict(pose_before, pose, u), pose
@@ -67,6 +73,7 @@ def backwards(pose, pose_before, inputs):
     hint="Which pose is the previous one after a step? Both arguments change from step to step.",
     mistakes={
         "The previous pose stays the same in your loop: it must follow.": never_before,
+        "The pose is overwritten before it becomes the previous one.": overwritten,
         "The model gets the last pose first, then the previous one.": exchanged,
         "The inputs come in the order in which they act: begin with the first.": backwards,
         "This is one step: repeat it for each of the inputs.": (

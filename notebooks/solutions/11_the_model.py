@@ -57,6 +57,11 @@ def direction(heading):
     return np.array([np.cos(heading), np.sin(heading), 1])
 
 
+def new_heading(theta, pose_1, pose_2, u):
+    turned = with_factors(theta, pose_1, pose_2, u, direction(pose_1[2]))[2]
+    return with_factors(theta, pose_1, pose_2, u, direction(turned))
+
+
 def offset_apart(theta, pose_1, pose_2, u):
     a1, a2, b1, b2, d1 = theta.T
     return a1 * pose_1 + a2 * pose_2 + (b1 * u[0] + b2 * u[1]) * direction(pose_1[2]) + d1
@@ -75,6 +80,10 @@ def wrapped(theta, pose_1, pose_2, u):
             lambda theta, pose_1, pose_2, u: with_factors(
                 theta, pose_1, pose_2, u, direction(pose_2[2])
             )
+        ),
+        "The force points along the heading of step k-1, and this takes the new one.": new_heading,
+        "y has its own row, theta[1]: this takes the row of x.": lambda theta, *given: next_pose(
+            theta[[0, 0, 2]], *given
         ),
         "Steps k-1 and k-2 are exchanged: a1 belongs to pose_1.": (
             lambda theta, pose_1, pose_2, u: with_factors(
@@ -119,8 +128,10 @@ def next_pose(theta, pose_1, pose_2, u):
 
 
 def real_poles(rng):
-    a1 = rng.uniform(0.2, 1.9)
-    return a1, 1 - a1
+    """Return a1 and a2 for two real poles; in half of the cases one is 1, as for the robot."""
+    smaller = rng.uniform(-0.8, 0.8)
+    larger = rng.choice((1.0, smaller + rng.uniform(0.05, 0.2)))
+    return smaller + larger, -smaller * larger
 
 
 def no_poles(result, a1, a2):

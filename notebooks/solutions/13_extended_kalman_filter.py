@@ -110,8 +110,8 @@ def covariance(rng, n):
 
 
 def to_predict(rng):
-    state, u = state_and_input(rng)
-    return state, covariance(rng, 6), u, covariance(rng, 3), MODEL.theta
+    state, u, theta = state_input_theta(rng)
+    return state, covariance(rng, 6), u, covariance(rng, 3), theta
 
 
 def predicted(state, P, u, Q, theta, at=None, place=slice(3)):
@@ -128,6 +128,9 @@ def predicted(state, P, u, Q, theta, at=None, place=slice(3)):
     mistakes={
         "Q is missing: the robot slips.": lambda state, P, u, Q, theta: predicted(
             state, P, u, 0 * Q, theta
+        ),
+        "The Jacobian has the parameters of MODEL: give it the argument theta.": (
+            lambda state, P, u, Q, theta: predicted(state, P, u, Q, MODEL.theta)
         ),
         "Q belongs to the new pose, the first three numbers of the state.": (
             lambda *given: predicted(*given, place=slice(3, 6))

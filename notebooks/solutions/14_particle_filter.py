@@ -87,7 +87,7 @@ def weights_of(particles, z, sigma):
 
 
 def some_weights(rng):
-    weights = rng.random(10) ** 4
+    weights = rng.random(rng.integers(6, 14)) ** 4
     return (weights / weights.sum(),)
 
 
@@ -120,9 +120,8 @@ def weights_and_start(rng):
     hint="Where on the line does each weight end? Which end is the first beyond a point?",
     mistakes={
         "The points lie 1 / N apart on a line of length 1: divide them by N.": (
-            lambda weights, start: np.minimum(
-                np.searchsorted(np.cumsum(weights), start + np.arange(len(weights))),
-                len(weights) - 1,
+            lambda weights, start: np.searchsorted(
+                np.cumsum(weights), start + np.arange(len(weights))
             )
         ),
         "The weights stand one after the other on the line: np.cumsum.": (
@@ -130,9 +129,11 @@ def weights_and_start(rng):
                 weights, (start + np.arange(len(weights))) / len(weights)
             )
         ),
-        "Divide the start by N, too.": lambda weights, start: np.minimum(
-            np.searchsorted(np.cumsum(weights), start + np.arange(len(weights)) / len(weights)),
-            len(weights) - 1,
+        "Divide the start by N, too.": lambda weights, start: np.searchsorted(
+            np.cumsum(weights), start + np.arange(len(weights)) / len(weights)
+        ),
+        "The start is missing: it shifts all points.": lambda weights, start: np.searchsorted(
+            np.cumsum(weights), np.arange(len(weights)) / len(weights)
         ),
         "One start shifts all points: all have the same distance.": (
             lambda weights, start: np.searchsorted(
@@ -155,10 +156,17 @@ def chosen(weights, start):
 
 def weighted_cloud(rng):
     """Return particles of similar headings, so that any mean of angles is right, and weights."""
-    pose = np.array((*rng.uniform(200, 900, 2), rng.choice((2.98, -2.98, 0.05))))
+    x, y = rng.uniform(200, 900, 2)
+    if rng.random() < 0.3:  # two, on both sides of pi
+        return np.array(((x, y, 3.1), (x, y, -3.12))), np.array((0.5, 0.5))
+    pose = np.array((x, y, rng.choice((2.98, -2.98, 0.05))))
     particles = pose + rng.uniform(-1, 1, (12, 3)) * (3, 3, 0.2)
     particles[:, 2] = robsim.wrap_angle(particles[:, 2])
     return particles, rng.dirichlet(np.full(12, 3))
+
+
+def unwrapped_mean(particles, weights):
+    return particles[0] - weights @ errors_of(particles, particles[0])
 
 
 @exercise(
@@ -180,6 +188,7 @@ def weighted_cloud(rng):
                 weights @ np.column_stack((particles[:, :2], particles[:, 2] % (2 * np.pi)))
             )
         ),
+        "The heading of the mean may be beyond pi: wrap it, too.": unwrapped_mean,
         "This is the plain sum: multiply each particle by its weight first.": (
             lambda particles, weights: particles.sum(axis=0)
         ),

@@ -62,8 +62,46 @@ def test_a_notebook_goes_on_with_a_right_answer(capsys):
     told = capsys.readouterr().out
     assert told.count("Hint: ") == 1
     assert told.startswith("to_the_right is not written yet")
+
+
+def test_an_answer_of_robsim_is_not_taken_for_the_students(capsys):
     right = robsim.teach.notebook_exercises()["02_park"][0].right
     assert robsim.teach.checked(right) is right
+    assert capsys.readouterr().out == (
+        "This to_the_right is robsim's: first run the cell with yours again.\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("chosen", lambda found: found.astype(float), "an index is an integer"),
+        ("predict_state", list, "returns a list: make it an array"),
+        ("poles", lambda found: found + 0j, "returns complex numbers"),
+    ],
+)
+def test_a_right_value_in_a_form_that_breaks_later_is_refused(name, change, said):
+    groups = robsim.teach.notebook_exercises().values()
+    (found,) = [one for group in groups for one in group if one.name == name]
+    (sentence,) = robsim.teach.check_answer(lambda *given: change(found(*given)), name).sentences
+    assert said in sentence
+
+
+def test_a_loop_without_end_is_ended_and_prints_come_once(monkeypatch, capsys):
+    def to_the_right_with_prints(pose, goal):
+        print("here")
+        return to_the_right(pose, goal)
+
+    robsim.teach.check_answer(to_the_right_with_prints, "to_the_right")
+    assert capsys.readouterr().out == "here\n"
+
+    def endless(pose, goal):
+        while True:
+            pass
+
+    monkeypatch.setattr("robsim.teach.exercises.checking._LIMIT", 0.2)
+    (sentence,) = robsim.teach.check_answer(endless, "to_the_right").sentences
+    assert "does not end within 0.2 s" in sentence
 
 
 @pytest.mark.parametrize(
@@ -72,7 +110,7 @@ def test_a_notebook_goes_on_with_a_right_answer(capsys):
         ([1, 2], "returns an array of shape (2,), and must return a number."),
         ("left", "returns a str, and must return a number."),
         (([1], [2]), "returns 2 results, an array of shape (1,), an array of shape (1,), and must"),
-        (np.nan, "returns nan, and must return "),
+        (np.nan, " is nan, and must be "),
         ([[1], [2, 3]], "returns lists of different lengths, and must return a number."),
     ],
 )
@@ -90,7 +128,7 @@ def test_the_first_number_that_differs_is_told():
     name = "13_extended_kalman_filter"
     (right,) = [e.right for e in robsim.teach.notebook_exercises()[name] if e.name == "jacobian_of"]
     (sentence,) = robsim.teach.check_answer(jacobian_of).sentences
-    assert sentence.startswith("[2, 5] of the result of jacobian_of([")
+    assert sentence.startswith("[2, 5] of jacobian_of([")
 
 
 def test_a_function_that_changes_its_arguments_is_not_right():
@@ -99,7 +137,7 @@ def test_a_function_that_changes_its_arguments_is_not_right():
         return robsim.wrap_angle(np.arctan2(goal[1], goal[0]) - pose[2])
 
     (sentence,) = robsim.teach.check_answer(to_the_right).sentences
-    assert sentence.startswith("It changes its arguments")
+    assert sentence.startswith("It changes its argument goal, ")
 
 
 def test_an_error_has_its_line():

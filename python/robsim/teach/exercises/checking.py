@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext, redirect_stdout
+from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -14,17 +16,16 @@ from robsim.base.checks import check_int, check_text
 from robsim.base.source_line import line_of_error
 from robsim.base.spelling import check_names
 from robsim.base.text import quoted
+from robsim.simulation.time_limit import TimeLimit
 from robsim.teach.errors import SubmissionError
-from robsim.teach.exercises.exercise import Answer, Exercise, copies, drawn_cases, fault_of
+from robsim.teach.exercises.exercise import Answer, Case, Exercise, copies, drawn_cases, fault_of
 from robsim.teach.exercises.shipped import notebook_exercises
 from robsim.teach.grading import Submission
 
 NOT_WRITTEN = "not written"
-_CHANGES = (
-    "It changes its arguments, which its caller still needs: work on a copy, such as pose.copy()."
-)
 _NO_EXERCISE = "answer: there is no exercise"
 _HINT_FROM = 2  # failures
+_LIMIT = 10.0  # s for a call
 _failures: Counter[str] = Counter()
 
 
@@ -71,15 +72,14 @@ def check_answer(
         if isinstance(answer, Submission):
             results = answer.calls(exercise.name, cases)
         else:
-            results = []
-            for case in cases:
-                given = copies(case)
-                results.append(answer(*given))
-                pairs = zip(given, case, strict=True)
-                if not all(np.array_equal(*pair, equal_nan=True) for pair in pairs):
-                    return _report(exercise, "wrong", _CHANGES)
+            results = _results(answer, exercise, cases)
     except SubmissionError as error:
         return _report(exercise, "failed", f"{error}.")
+    except _ChangedError as changed:
+        return _report(exercise, "wrong", str(changed))
+    except TimeoutError:
+        told = f"{exercise.name} does not end within {_LIMIT:g} s: look at its loops."
+        return _report(exercise, "failed", told)
     except Exception as error:
         line = line_of_error(error)
         where = f" ({line.place}: {line.text})" if line else ""
@@ -121,6 +121,9 @@ def checked(answer: Answer) -> Callable[..., Any]:
     answer of robsim.
     """
     exercise = _exercise(getattr(answer, "__name__", ""), _NO_EXERCISE)
+    if answer is exercise.right:
+        print(f"This {exercise.name} is robsim's: first run the cell with yours again.")
+        return answer
     report = check_answer(answer, exercise)
     if report:
         print(f"{exercise.name} is right.")
@@ -136,6 +139,29 @@ def checked(answer: Answer) -> Callable[..., Any]:
     told = f"{exercise.name} {said} Until it is right, this notebook uses an answer of robsim."
     print(textwrap.fill(told, 100))
     return exercise.right
+
+
+def _results(answer: Answer, exercise: Exercise, cases: Sequence[Case]) -> list[Any]:
+    """Return the results of all calls; it prints in the first call alone."""
+    limit = TimeLimit(_LIMIT)
+    call = limit.limited(answer, exercise.name)
+    results = []
+    with limit.watching():
+        for number, case in enumerate(cases):
+            given = copies(case)
+            with redirect_stdout(StringIO()) if number else nullcontext():
+                results.append(call(*given))
+            for name, one, before in zip(exercise.arguments, given, case, strict=True):
+                if not np.array_equal(one, before, equal_nan=True):
+                    raise _ChangedError(
+                        f"It changes its argument {name}, which its caller still needs: work on a "
+                        f"copy, {name}.copy()."
+                    )
+    return results
+
+
+class _ChangedError(Exception):
+    """An answer has changed an argument."""
 
 
 def _exercise(name: str, what: str) -> Exercise:

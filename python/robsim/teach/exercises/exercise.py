@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import signature
 from itertools import islice
 from typing import Any
 
@@ -83,6 +84,11 @@ class Exercise:
         return self.right.__name__
 
     @property
+    def arguments(self) -> list[str]:
+        """The names of its arguments."""
+        return [*signature(self.right).parameters]
+
+    @property
     def title(self) -> str:
         """The first line of its docstring, without the stop."""
         return str(self.right.__doc__).splitlines()[0].rstrip(".")
@@ -108,10 +114,15 @@ def fault_of(exercise: Exercise, cases: Sequence[Case], results: Sequence[Any]) 
 
 
 def _fault(exercise: Exercise, case: Case, result: Any) -> str | None:
-    call = f"{exercise.name}({', '.join(map(_shown, case))})"
     right = called(exercise.right, case)
     if (kind := _kind(result)) != (wanted := _kind(right)):
-        return f"{call} returns {kind}, and must return {wanted}."
+        return f"{exercise.name} returns {kind}, and must return {wanted}."
+    if isinstance(right, np.ndarray):
+        if not isinstance(result, np.ndarray):
+            return f"{exercise.name} returns a {type(result).__name__}: make it an array, np.array."
+        if right.dtype.kind in "iu" and result.dtype.kind not in "iu":
+            return f"{exercise.name} returns decimals: an index is an integer, dtype=int."
+    call = f"{exercise.name}({', '.join(map(_shown, case))})"
     if exercise.judge is not None:
         said = exercise.judge(result, *case)
         return said and f"{call} returns {_shown(result)}: {said}"
@@ -121,20 +132,22 @@ def _fault(exercise: Exercise, case: Case, result: Any) -> str | None:
 
 
 def _difference(call: str, result: Any, right: Any, tolerance: float) -> str:
-    """Return a sentence on the first number that differs, or on all of a few numbers."""
-    for number, (got, wanted) in enumerate(zip(_parts(result), _parts(right), strict=True), 1):
-        if wanted.size > _MOST_SHOWN and not _alike(got, wanted, tolerance):
-            near = np.isclose(got, wanted, _RELATIVE, tolerance, equal_nan=True)
-            at = tuple(map(int, np.argwhere(~near)[0]))
-            which = f"result {number}" if len(_parts(right)) > 1 else "the result"
-            two = _two(got[at], "and must be", wanted[at])
-            return f"[{', '.join(map(str, at))}] of {which} of {call} is {two}."
-    return f"{call} returns {_two(result, 'and must return', right)}."
+    """Return a sentence on the first result that differs: one of many numbers, or all of a few."""
+    parts = [*zip(_parts(result), _parts(right), strict=True)]
+    number = next(n for n, pair in enumerate(parts) if not _alike(*pair, tolerance))
+    got, wanted = parts[number]
+    which = f"result {number + 1} of {call}" if len(parts) > 1 else call
+    if wanted.size <= _MOST_SHOWN:
+        return f"{which} is {_two(got, 'and must be', wanted)}."
+    near = np.isclose(got, wanted, _RELATIVE, tolerance, equal_nan=True)
+    at = tuple(map(int, np.argwhere(~near)[0]))
+    two = _two(got[at], "and must be", wanted[at])
+    return f"[{', '.join(map(str, at))}] of {which} is {two}."
 
 
 def _two(got: Any, words: str, wanted: Any) -> str:
     """Return both in a sentence, with as many digits as show that they differ."""
-    digits = next((n for n in (4, 8) if _shown(got, n) != _shown(wanted, n)), 16)
+    digits = next((n for n in (6, 10) if _shown(got, n) != _shown(wanted, n)), 16)
     return f"{_shown(got, digits)}, {words} {_shown(wanted, digits)}"
 
 
@@ -176,6 +189,8 @@ def _kind(result: Any) -> str:
         parts = _parts(result)
     except ValueError:
         return "lists of different lengths"
+    if any(part.dtype.kind == "c" for part in parts):
+        return "complex numbers"
     if any(part.dtype.kind not in "bifu" for part in parts):
         return f"a {type(result).__name__}"
     kinds = [f"an array of shape {part.shape}" if part.ndim else "a number" for part in parts]
