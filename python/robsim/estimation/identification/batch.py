@@ -18,6 +18,7 @@ from robsim.estimation.identification._parameter_table import (
     equation_noise,
     lengths_in,
     mean_ratio,
+    noise_remarks,
     parameter_table,
 )
 from robsim.estimation.identification.determined import Identifiability, identifiability, judge
@@ -277,8 +278,12 @@ class BatchEstimate(Report):
             remarks.append("no online estimate: run with estimate_parameters=True")
         elif self.online_from != self.identify_from:
             remarks.append(f"the online estimate is from {self.online_from}")
-        excited, *noise = self.identifiability.remarks
-        return (*remarks, excited, *(self._contradiction or noise))
+        excited = self.identifiability
+        noise = self._contradiction or (
+            *(excited._on_methods if self.method == "least_squares" else ()),
+            *noise_remarks(self.identify_from),
+        )
+        return (*remarks, *excited._on_excitation, *noise)
 
     @property
     def _contradiction(self) -> tuple[str, ...]:

@@ -130,6 +130,10 @@ class Identifiability(Report):
     @property
     def remarks(self) -> tuple[str, ...]:
         """What the verdicts mean, and for which noise."""
+        return (*self._on_excitation, *self._on_methods, *noise_remarks(self.identify_from))
+
+    @property
+    def _on_excitation(self) -> tuple[str, ...]:
         source = " (assumed)" if self.is_assumed else ""
         remarks = [
             f"excited well: standard error at most {percent(WELL, 0)} of the parameter (of d1: "
@@ -141,12 +145,16 @@ class Identifiability(Report):
                 "at the limit: the standard error relative to the parameter is random itself, and "
                 "within one standard deviation of the limit, so that another run may say otherwise"
             )
-        if self.identify_from == "measurement":
-            remarks.append(
-                "this is of least squares: batch_estimate(trace, method='output_error') may be 100 "
-                "times as exact where measurement noise is most of the noise"
-            )
-        return (*remarks, *noise_remarks(self.identify_from))
+        return tuple(remarks)
+
+    @property
+    def _on_methods(self) -> tuple[str, ...]:
+        """A remark on least squares from measured poses."""
+        remark = (
+            "this is of least squares: batch_estimate(trace, method='output_error') may be 100 "
+            "times as exact where measurement noise is most of the noise"
+        )
+        return (remark,) if self.identify_from == "measurement" else ()
 
 
 def _range(relative: Floats, freedom: float, *, is_random: bool) -> Floats:
