@@ -30,34 +30,35 @@ def places():
     return found
 
 
-def with_links(text, file, where):
+def with_links(text, file, where, folder):
     """Return the text of a file with links that are right at its place in the site."""
-    here = where[file].parent
+    here = (folder / where[file]).parent
 
     def moved(link):
         target = (file.parent / link[2]).resolve()
         if "://" in link[2] or not target.exists():
             return link[0]
-        to = where.get(target) or os.path.relpath(target, FOLDER / here)
-        return link[1] + (os.path.relpath(to, here) if target in where else str(to))
+        to = folder / where[target] if target in where else target
+        return link[1] + Path(os.path.relpath(to, here)).as_posix()
 
     return re.sub(r"(\]\()([^)#\s]+)", moved, text)
 
 
-FOLDER = ROOT / "build/docs/source"
-
-
 def gather(folder):
-    """Write all sources into a folder; unchanged files keep their time."""
+    """Write all sources into a folder. Files without a change keep their times for Sphinx."""
     where = places()
     pages = dict(reference.pages())
     for file, place in where.items():
         data = file.read_bytes()
         if file.suffix in (".md", ".ipynb"):
-            data = with_links(data.decode(), file, where).encode()
+            data = with_links(data.decode(), file, where, folder).encode()
         pages[place] = data
     for place, data in pages.items():
         path = folder / place
         if not path.exists() or path.read_bytes() != data:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
+    for path in folder.rglob("*"):
+        is_page = path.is_file() and path.parent != folder / reference.OBJECTS
+        if is_page and path.relative_to(folder) not in pages:
+            path.unlink()

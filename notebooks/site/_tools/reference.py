@@ -12,6 +12,8 @@ import robsim.cli
 
 #: Rooms that users import from themselves.
 APART = ("estimation.reference", "teach.gym")
+#: The folder of the pages that autosummary writes, one for each name.
+OBJECTS = Path("reference/api")
 
 
 def pages():
@@ -29,8 +31,8 @@ def heading(text, line):
     return f"{text}\n{line * len(text)}\n\n"
 
 
-def table(names, toctree="   :toctree: api\n"):
-    rows = "".join(f"   {name}\n" for name in names)
+def table(names, toctree=f"   :toctree: {OBJECTS.name}\n"):
+    rows = "".join(f"   ~{name}\n" for name in names)
     return f".. autosummary::\n{toctree}   :nosignatures:\n\n{rows}\n"
 
 
