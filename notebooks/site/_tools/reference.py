@@ -24,6 +24,7 @@ def pages():
         at_home |= names
         yield Path(f"reference/{name}.rst"), text.encode()
     yield Path("reference/robsim.rst"), top_page(at_home).encode()
+    yield Path("reference/errors.rst"), errors_page(at_home).encode()
     yield Path("reference/commands.md"), command_line().encode()
 
 
@@ -65,6 +66,19 @@ def top_page(at_home):
     text = heading("robsim", "=") + inspect.getdoc(robsim) + "\n\n"
     text += table([name for name in names if name in at_home], toctree="")
     return text + table([name for name in names if name not in at_home])
+
+
+def errors_page(names):
+    """Return the page of errors and warnings; each has its own page in a wing."""
+    errors = [name for name in sorted(names) if is_error(name)]
+    return heading("Errors and warnings", "=") + table(errors, toctree="")
+
+
+def is_error(name):
+    """Return whether a full name is one of an exception."""
+    module, _, last = name.rpartition(".")
+    value = getattr(importlib.import_module(module), last)
+    return isinstance(value, type) and issubclass(value, Exception)
 
 
 def command_line():
