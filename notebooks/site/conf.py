@@ -40,6 +40,7 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 600  # s
 nb_ipywidgets_js = {}  # scripts from the internet
 nb_merge_streams = True
+nb_output_stderr = "error"
 nb_render_markdown_format = "gfm"  # with tables
 
 autodoc_typehints = "none"  # docstrings name the types
