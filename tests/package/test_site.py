@@ -1,4 +1,4 @@
-"""The site: its gallery, its place for each room, and the check of what was built."""
+"""The site: its gallery, its place for each room, and the check of the built site."""
 
 import re
 from pathlib import Path

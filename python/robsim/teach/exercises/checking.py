@@ -6,6 +6,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext, redirect_stdout
+from inspect import signature
 from io import StringIO
 from typing import Any
 
@@ -145,13 +146,14 @@ def _results(answer: Answer, exercise: Exercise, cases: Sequence[Case]) -> list[
     """Return the results of all calls; it prints in the first call alone."""
     limit = TimeLimit(_LIMIT)
     call = limit.limited(answer, exercise.name)
+    names = signature(exercise.right).parameters
     results = []
     with limit.watching():
         for number, case in enumerate(cases):
             given = copies(case)
             with redirect_stdout(StringIO()) if number else nullcontext():
                 results.append(call(*given))
-            for name, one, before in zip(exercise.arguments, given, case, strict=True):
+            for name, one, before in zip(names, given, case, strict=True):
                 if not np.array_equal(one, before, equal_nan=True):
                     raise _ChangedError(
                         f"It changes its argument {name}, which its caller still needs: work on a "

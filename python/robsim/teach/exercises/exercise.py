@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from inspect import signature
 from itertools import islice
 from typing import Any
 
@@ -82,11 +81,6 @@ class Exercise:
     def name(self) -> str:
         """The name of the function."""
         return self.right.__name__
-
-    @property
-    def arguments(self) -> list[str]:
-        """The names of its arguments."""
-        return [*signature(self.right).parameters]
 
     @property
     def title(self) -> str:
