@@ -19,38 +19,14 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-import robsim
-from robsim.cli.simulated.demo import simulate_demo
-from robsim.plotting import style as style
-
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "assets" / "readme"
-PANEL = "panel.png"
+PANEL, FILM = "panel.png", "drive.webp"
 
 
 def figures() -> dict[str, Figure]:
     """Return the figures by the names of their files."""
-    return {"demo.jpg": demo_figure(), "traces.png": traces_figure()}
-
-
-@style.applied
-def demo_figure() -> Figure:
-    """The demo: the last frame with the path, and the convergence of the parameters."""
-    sim = simulate_demo()
-    figure = style.NotebookFigure(figsize=(11, 4.6))
-    left, right = figure.subfigures(1, 2, width_ratios=(1, 1.6))
-    step, robot = sim.last_step, sim.robot
-    robsim.plot_frame(
-        sim.frame,
-        ax=left.add_subplot(),
-        blobs=step.blobs,
-        measurement=step.measurement,
-        outline=robot.to_robot_frame(robot.outline),
-        trace=sim.trace,
-    )
-    right.suptitle("How the estimated parameters approach the true values")
-    robsim.plot_parameters(sim.trace, axes=right.subplots(3, sharex=True))
-    return figure
+    return {"traces.png": traces_figure()}
 
 
 def traces_figure() -> Figure:
@@ -117,16 +93,15 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     drawn = figures()
     for name, figure in drawn.items():
-        image = picture(figure)
-        if name.endswith(".png"):
-            image.quantize(128, dither=Image.Dither.NONE).save(FOLDER / name, optimize=True)
-        else:  # noise, of which a PNG is large
-            image.save(FOLDER / name, quality=80, subsampling=0, optimize=True)
+        few = picture(figure).quantize(128, dither=Image.Dither.NONE)
+        few.save(FOLDER / name, optimize=True)
     contents = {
         name: {"texts": texts(figure), "marks": marks(figure)} for name, figure in drawn.items()
     }
-    import draw_panel  # needs Chromium
+    import draw_film  # needs Chromium, as the next one does
+    import draw_panel
 
+    draw_film.save(FOLDER / FILM)
     panel, words = draw_panel.panel_picture()
     draw_panel.small(panel).save(FOLDER / PANEL, optimize=True)
     contents[PANEL] = {"texts": words}
