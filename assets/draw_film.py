@@ -60,11 +60,15 @@ def film() -> list[Image.Image]:
             pictures = [_beside(_shot(editor), _shot(tab)) for _ in scenes]
         _write(file, _GOALS[0])
         _show(editor, file, "In real time: robsim live.")
-        world = robsim.Scenario(start=(200, 800, 0), noise=robsim.GaussianNoise(8), seed=4)
+        world = robsim.Scenario(
+            start=(200, 800, 0),
+            headings=None,
+            resolution=(640, 640),
+            noise=robsim.GaussianNoise(8),
+            seed=4,
+        )
         with (
-            robsim.lab.SimulatedLab(
-                world.replace(resolution=(640, 640), headings=None), fps=10
-            ) as lab,
+            robsim.lab.SimulatedLab(world, fps=10) as lab,
             robsim.Camera(lab) as camera,
             robsim.lab.UdpMotors(lab.address) as motors,
             robsim.Experiment.from_folder(
@@ -97,7 +101,7 @@ def _shown(runner: Any, browser: Browser) -> Iterator[tuple[PanelView, Tab]]:
 
 
 def _scenes(view: PanelView, tab: Tab, editor: Tab, file: Path) -> Iterator[None]:
-    """Do what the film shows; each yield is a picture."""
+    """Play the scenes of the film; each yield is a picture."""
 
     def drive(pictures: int, caption: str, marked: str = "", steps: int = 3) -> Iterator[None]:
         _show(editor, file, caption, marked)
