@@ -7,12 +7,12 @@ from pathlib import Path
 
 import nbclient
 from docutils import nodes
+from docutils.utils.math import latex2mathml
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_tools"))
 
 import gathering  # noqa: E402
-import mathml  # noqa: E402
 
 project = "robsim"
 author = "the authors of robsim"
@@ -39,6 +39,7 @@ nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600  # s
 nb_ipywidgets_js = {}  # scripts from the internet
+nb_mime_priority_overrides = [("*", "application/vnd.jupyter.widget-view+json", None)]
 nb_merge_streams = True
 nb_output_stderr = "error"
 nb_render_markdown_format = "gfm"  # with tables
@@ -74,18 +75,36 @@ class Client(nbclient.NotebookClient):
         """Send no answer to a widget: during a reply it may block both sides."""
 
 
-def without_files_of_notebooks(app, doctree):
-    """Replace each frame that shows a file of the executed notebook: the site lacks the file."""
-    for node in list(doctree.findall(nodes.raw)):
-        shown = re.search(r'<iframe\s[^>]*?src="([^":]+)"', node.astext())
-        if shown:
-            text = nodes.emphasis("", f"In the notebook you see {shown[1]} here.")
-            node.replace_self(nodes.paragraph("", "", text))
+REPLACED = {  # outputs of notebooks that need a kernel or a file: a sentence instead
+    r'<iframe\s[^>]*?src="([^":]+)"': "The notebook shows {0} here.",
+    r"interactive\(children=": "The notebook has sliders here.",
+    r"(\w+:)?\s*\d+%\|": "",  # a progress bar
+    r"<robsim\.gui\.Panel: .*>$": "",  # its picture follows
+}
+
+
+def replace_outputs(app, doctree):
+    """Replace outputs of notebooks that mean nothing on a page."""
+    for node in [*doctree.findall(nodes.raw), *doctree.findall(nodes.literal_block)]:
+        for pattern, text in REPLACED.items():
+            if shown := re.match(pattern, node.astext().strip()):
+                instead = nodes.emphasis("", text.format(*shown.groups()))
+                node.parent.replace(node, [nodes.paragraph("", "", instead)] if text else [])
+                break
+
+
+def write_formula(writer, node):
+    """Write a formula as MathML, which browsers draw without a script from the internet."""
+    is_block = isinstance(node, nodes.math_block)
+    formula = latex2mathml.tex2mathml(node.astext(), as_block=is_block)
+    # In a font without tables for mathematics an accent lies on its letter.
+    writer.body.append(formula.replace(' accent="true"', ""))
+    raise nodes.SkipNode
 
 
 def setup(app):
     """Gather the sources, and prepare formulas and notebooks."""
     gathering.gather(Path(app.srcdir))
-    mathml.add_to(app)
-    app.connect("doctree-read", without_files_of_notebooks)
+    app.add_html_math_renderer("mathml", (write_formula, None), (write_formula, None))
+    app.connect("doctree-read", replace_outputs)
     nbclient.client.NotebookClient = Client

@@ -1,4 +1,4 @@
-"""The site: its gallery, its place for each room, and the check of the built site."""
+"""The site: its gallery, its place for each room, and the check of its links."""
 
 import re
 from pathlib import Path

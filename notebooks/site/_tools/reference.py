@@ -1,4 +1,4 @@
-"""Pages of the reference that are made from the program: public names, the command line."""
+"""Pages of the reference that are made from the program: public names, errors, commands."""
 
 import importlib
 import inspect
@@ -12,83 +12,68 @@ import robsim.cli
 
 #: Rooms that users import from themselves.
 APART = ("estimation.reference", "teach.gym")
-#: The folder of the pages that autosummary writes, one for each name.
-OBJECTS = Path("reference/api")
 
 
 def pages():
     """Yield the place and the bytes of each page."""
-    at_home = set()
+    found = {}
     for name in (*robsim._WINGS, *APART):
-        text, names = wing_page(f"robsim.{name}")
-        at_home |= names
+        text, objects = wing_page(importlib.import_module(f"robsim.{name}"))
+        found |= objects
         yield Path(f"reference/{name}.rst"), text.encode()
-    yield Path("reference/robsim.rst"), top_page(at_home).encode()
-    yield Path("reference/errors.rst"), errors_page(at_home).encode()
+    top = [f"robsim.{name}" for name in robsim.__all__ if name != "__version__"]
+    text = page(robsim, "=") + table([name for name in top if name in found], has_pages=False)
+    text += table([name for name in top if name not in found])
+    yield Path("reference/robsim.rst"), text.encode()
+    errors = [name for name, value in found.items() if is_error(value)]
+    text = f"Errors and warnings\n===================\n\n{table(errors, has_pages=False)}"
+    yield Path("reference/errors.rst"), text.encode()
     yield Path("reference/commands.md"), command_line().encode()
 
 
-def heading(text, line):
-    return f"{text}\n{line * len(text)}\n\n"
-
-
-def table(names, toctree=f"   :toctree: {OBJECTS.name}\n"):
-    rows = "".join(f"   ~{name}\n" for name in names)
-    return f".. autosummary::\n{toctree}   :nosignatures:\n\n{rows}\n"
-
-
-def full_name(home, name):
-    """Return the name that users write: that at the top, if it is there."""
-    is_top = name in robsim.__all__ and getattr(home, name) is getattr(robsim, name)
-    return f"robsim.{name}" if is_top else f"{home.__name__}.{name}"
-
-
 def wing_page(wing):
-    """Return the page of a wing, a table for each of its rooms, and the names on it."""
-    module = importlib.import_module(wing)
-    text = heading(wing, "=") + inspect.getdoc(module) + "\n\n"
-    rooms = [importlib.import_module(f"{wing}.{room}") for room in vars(module).get("_homes", ())]
-    rooms = [room for room in rooms if room.__name__.removeprefix("robsim.") not in APART]
-    listed = []
-    for room in rooms if len(rooms) > 1 else [module]:
-        names = [full_name(module, name) for name in room.__all__ if name in module.__all__]
-        if room is not module:
-            text += heading(room.__name__.rsplit(".")[-1].capitalize(), "-")
-            text += inspect.getdoc(room) + "\n\n"
-        text += table(names)
-        listed += names
-    return text, set(listed)
+    """Return the page of a wing, a table for each of its rooms; and its objects by full name."""
+    rooms = [getattr(wing, name) for name in vars(wing).get("_homes", ())]
+    rooms = [room for room in rooms if not room.__name__.endswith(APART)]
+    text, objects = page(wing, "="), {}
+    for room in rooms if len(rooms) > 1 else [wing]:
+        of_room = {full_name(wing, name): getattr(wing, name) for name in room.__all__}
+        text += "" if room is wing else page(room, "-")
+        text += table(of_room)
+        objects |= of_room
+    return text, objects
 
 
-def top_page(at_home):
-    """Return the page of the names at the top; most have their own page in a wing."""
-    names = [f"robsim.{name}" for name in robsim.__all__ if name != "__version__"]
-    text = heading("robsim", "=") + inspect.getdoc(robsim) + "\n\n"
-    text += table([name for name in names if name in at_home], toctree="")
-    return text + table([name for name in names if name not in at_home])
+def full_name(wing, name):
+    """Return the name that users write: that at the top, if it is there."""
+    is_top = name in robsim.__all__ and getattr(wing, name) is getattr(robsim, name)
+    return f"robsim.{name}" if is_top else f"{wing.__name__}.{name}"
 
 
-def errors_page(names):
-    """Return the page of errors and warnings; each has its own page in a wing."""
-    errors = [name for name in sorted(names) if is_error(name)]
-    return heading("Errors and warnings", "=") + table(errors, toctree="")
-
-
-def is_error(name):
-    """Return whether a full name is one of an exception."""
-    module, _, last = name.rpartition(".")
-    value = getattr(importlib.import_module(module), last)
+def is_error(value):
+    """Return whether a value is a class of errors or warnings."""
     return isinstance(value, type) and issubclass(value, Exception)
+
+
+def page(module, line):
+    """Return the heading of a module and its docstring."""
+    name = module.__name__
+    return f"{name}\n{line * len(name)}\n\n{inspect.getdoc(module)}\n\n"
+
+
+def table(names, *, has_pages=True):
+    """Return a table of names; if it has their pages, autosummary writes a page for each."""
+    rows = "".join(f"   ~{name}\n" for name in names)
+    toctree = "   :toctree: api\n" if has_pages else ""
+    return f".. autosummary::\n{toctree}   :nosignatures:\n\n{rows}\n"
 
 
 def command_line():
     """Return a page with the --help of each command."""
     group = typer.main.get_command(robsim.cli.app)
-    context = typer.Context(group, info_name="robsim")
-    text = "# The command line\n\n"
-    for name, command in group.commands.items():
-        loaded = command.loaded()
-        text += get_docs_for_click(
-            obj=loaded, ctx=context, indent=1, name=name, call_prefix="robsim"
-        )
-    return text
+    options = {"ctx": typer.Context(group), "indent": 1, "call_prefix": "robsim"}
+    commands = [
+        get_docs_for_click(obj=command.loaded(), name=name, **options)
+        for name, command in group.commands.items()
+    ]
+    return "# The command line\n\n" + "".join(commands)
