@@ -15,7 +15,6 @@ sys.path.insert(0, str(HERE / "_tools"))
 import gathering  # noqa: E402
 
 project = "robsim"
-author = "the authors of robsim"
 copyright = "the authors of robsim; GPL, version 3 or later"
 version = release = version_of("robsim")
 
@@ -46,6 +45,9 @@ nb_render_markdown_format = "gfm"  # with tables
 
 autodoc_typehints = "none"  # docstrings name the types
 numpydoc_show_class_members = False  # the class template lists them
+
+llms_txt_uri_template = "{base_url}{docname}.html"
+llms_txt_full_file = False  # it has sources: no docstring
 
 html_theme = "pydata_sphinx_theme"
 html_title = "robsim"
