@@ -25,7 +25,8 @@ def pages():
     text = page(robsim, "=") + table([name for name in top if name in found], has_pages=False)
     text += table([name for name in top if name not in found])
     yield Path("reference/robsim.rst"), text.encode()
-    errors = [name for name, value in found.items() if is_error(value)]
+    classes = {name: value for name, value in found.items() if isinstance(value, type)}
+    errors = [name for name, value in classes.items() if issubclass(value, Exception)]
     text = f"Errors and warnings\n===================\n\n{table(errors, has_pages=False)}"
     yield Path("reference/errors.rst"), text.encode()
     yield Path("reference/commands.md"), command_line().encode()
@@ -48,11 +49,6 @@ def full_name(wing, name):
     """Return the name that users write: that at the top, if it is there."""
     is_top = name in robsim.__all__ and getattr(wing, name) is getattr(robsim, name)
     return f"robsim.{name}" if is_top else f"{wing.__name__}.{name}"
-
-
-def is_error(value):
-    """Return whether a value is a class of errors or warnings."""
-    return isinstance(value, type) and issubclass(value, Exception)
 
 
 def page(module, line):
