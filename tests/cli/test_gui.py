@@ -212,13 +212,14 @@ def test_it_ends_with_its_last_page_or_by_a_signal(process, ends_by):
     _, port, secret = re.match(ADDRESS, process.stdout.readline()).groups()
     with greeted(SimpleNamespace(port=int(port), secret=secret)) as client:
         client.say(type="press", button="start")
-        while client.hear("frame")[0]["k"] < 3:
+        while client.hear("frame")[0]["k"] < 20:
             pass
         if ends_by == "signal":
             process.send_signal(signal.SIGINT)
             assert client.is_closed()
-    process.communicate(timeout=300)
+    printed, _ = process.communicate(timeout=300)
     assert process.returncode == 0
+    assert "\n  parameter " in printed  # the table of the estimate
 
 
 @pytest.mark.parametrize(

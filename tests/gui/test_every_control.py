@@ -326,6 +326,21 @@ def test_every_control_does_something_and_none_is_left_out(mouse, editor):
     assert mouse.tab.evaluate(_LEFT_OUT, f"{elsewhere}, [name^=edit_][hidden]") == []
 
 
+def test_the_picture_fits_the_window_also_while_frames_come(open_panel):
+    sim = robsim.Simulation(control=robsim.DriveAround(), seed=1)
+    view, tab = open_panel(sim, speed=5.0)
+    Mouse(view, tab).press("start")
+    (link,) = view.links
+    wait_for(lambda: link.sent > 10)
+    wide = link.width
+    tab.set_viewport_size({"width": 900, "height": 500})
+    wait_for(lambda: link.width < wide)
+    tab.evaluate("document.querySelector('.robsim-camera').style.display = 'none'")
+    sent = link.sent
+    wait_for(lambda: link.sent > sent + 20)
+    assert link.width > 1
+
+
 def test_stop_stops_the_motors_while_a_callback_hangs(open_panel):
     sent, inside, may_go_on = [], threading.Event(), threading.Event()
 

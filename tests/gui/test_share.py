@@ -197,6 +197,20 @@ def test_a_run_that_is_too_large_for_a_page_goes_to_the_folder_of_the_user(tmp_p
         assert len(again.trace) == 3
 
 
+@pytest.mark.slow
+def test_the_clip_of_a_noisy_run_fits_or_is_left_out(monkeypatch):
+    noisy = robsim.Simulation(area=(600, 600), noise=robsim.GaussianNoise(40), seed=1)
+    with robsim.panel(noisy) as panel:
+        steps(panel, 30)
+        head, clip, _ = shared(panel)
+        assert head["clip"] == "run.webm"
+        assert 10_000 < len(clip) < 30 * 80_000
+        monkeypatch.setattr("robsim.gui.panels.run.share._MOST_SENT", 10_000)
+        head, clip, file = shared(panel)
+        assert (head["name"], head["clip"], len(clip)) == ("run.replay", "", 0)
+        assert file
+
+
 def test_nothing_is_left_of_a_replay(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     good = "def control(step):\n    return 0.1, 0.2\n"

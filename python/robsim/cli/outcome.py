@@ -140,6 +140,6 @@ def keep_run(opened: Panel) -> None:
     else:
         errors.say(f"its {len(trace)} steps are in {file}; to see them again: robsim gui {file}")
     try:
-        errors.say(str(opened.finish()))
+        errors.show(opened.finish())
     except (ValueError, TimeoutError) as error:  # too few steps, or a callback does not end
         errors.say(f"no estimate: {error}")

@@ -8,6 +8,8 @@ const CHOICES = {
   window: 600, unseen: [], objects: false, columns: [], // of the charts
 };
 
+const UNSEEN = 500; // ms after a reset without a picture
+
 // ms between two "shown" by frames without rows: what changes faster cannot be read, and each change
 // lays the page out
 const CALM = { playing: 100, running: 300 };
@@ -41,7 +43,7 @@ export function makeRunContext(el, send) {
     /** Return the time of a step (s). */
     timeOf: (k) =>
       (context.frame?.k == k ? context.frame.t : context.store.get("t")?.get(k, 0))
-        ?? k * context.setup.dt,
+        ?? k * (context.setup?.dt ?? 0),
     /** Ask for groups of columns that are not asked for yet. */
     want(names) {
       const lacking = names.filter((name) => !wanted.has(name));
@@ -64,11 +66,19 @@ export function makeRunContext(el, send) {
     context.emit("shown");
     if (context.marked != marked) context.emit("marked");
   };
+  /** Take a picture of the old run away if none of the new one comes, as with a delay. */
+  const forget = (old) => setTimeout(() => {
+    if (context.newest >= 0 || context.frame != old || !old) return;
+    context.frame = null;
+    context.emit("local");
+    tell();
+  }, UNSEEN);
   context.on("state", ({ k, resets }) => {
     context.newest = k;
     if (resets != known) {
       known = resets;
       context.emit("reset");
+      forget(context.frame);
       if (context.looking != null) context.look(null);
     }
     tell();

@@ -118,6 +118,8 @@ _CODECS: dict[str, tuple[str, str, dict[str, str]]] = {
     ".mkv": (LOSSLESS, "bgr0", _INDEPENDENT),
     ".avi": (LOSSLESS, "bgr0", _INDEPENDENT),
 }
+#: Of a video to look at: a tenth of the size.
+SMALL_WEBM = "libvpx", "yuv420p", {"crf": "30", "b": "4M", "cpu-used": "8", "deadline": "realtime"}
 #: Suffixes of the files that can be written, for a user.
 SUFFIXES = f"{', '.join(_CODECS)}; .mkv and .avi are lossless."
 
@@ -167,6 +169,7 @@ class VideoWriter:
         if self.path.suffix.lower() not in _CODECS:
             known = ", ".join(_CODECS)
             raise ValueError(f"{one_line(path)}: the name of a video must end in {known}")
+        self._codec = _CODECS[self.path.suffix.lower()]
         # MPEG-4 counts time in at most 65535 parts of a second.
         rate = check_float("fps", fps, "1/s", minimum=0.1, maximum=500)
         self._fps = round(rate, min(3, int(math.log10(65535 / rate))))
@@ -202,7 +205,7 @@ class VideoWriter:
         pixels = frame_pixels(name, frame)
         size = frame_size(pixels)
         check_same_size(f"frame {self.count}", size, self._size or size)
-        codec, coding, options = _CODECS[self.path.suffix.lower()]
+        codec, coding, options = self._codec
         if codec != LOSSLESS:  # the others need an even width and height
             odd = [(0, n % 2) for n in pixels.shape[:2]]
             pixels = np.pad(pixels, (*odd, (0, 0)), mode="edge")

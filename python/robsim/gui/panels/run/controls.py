@@ -67,7 +67,8 @@ class Controls(Part):
 
     def setup(self) -> dict[str, Any]:
         controls = [setting.described() for setting in self._settings.values()]
-        return {"controls": controls, "has_goals": self.panel.goals is not None}
+        asked, _ = as_told(goals := self.panel.goals)
+        return {"controls": controls, "has_goals": goals is not None, "asked": asked}
 
     def state(self) -> dict[str, Any]:
         values = {name: setting.value for name, setting in self._settings.items()}

@@ -153,7 +153,8 @@ class Share(Part):
             link.refuse("The run could not be shared")
             return
         name, content, lacks, (clip, film) = made
-        if len(content) + len(film) <= _MOST_SENT:
+        film = film if len(film) <= _MOST_SENT else b""
+        if len(content) <= _MOST_SENT:
             head = {"type": "shared", "name": name, "lacks": lacks, "clip": clip if film else ""}
             link.send(head, [film, content])
             return
@@ -166,7 +167,7 @@ class Share(Part):
     def _clip(self) -> tuple[str, bytes]:
         """Return the name and the content of the clip; no content without frames."""
         from robsim.plotting.images.replay import annotated_frames
-        from robsim.vision.imaging.video import load_av, save_video
+        from robsim.vision.imaging.video import SMALL_WEBM, VideoWriter, load_av
 
         runner, trace = self.panel.runner, self.panel.record.trace
         assert isinstance(runner, Runner)
@@ -180,7 +181,10 @@ class Share(Part):
             try:
                 load_av("a clip")
                 file = Path(folder, "run.webm")
-                save_video(file, pictures, fps=rate)
+                with VideoWriter(file, fps=rate) as video:
+                    video._codec = SMALL_WEBM
+                    for pixels in pictures:
+                        video.write(pixels)
             except ImportError:
                 file = Path(folder, "run.gif")
                 Clip(pictures, fps=min(60.0, rate), width=_WIDTH).save(file)

@@ -169,7 +169,9 @@ function drawPlanned(scene) {
     drawDot(scene, points[0], color, 3);
     drawGoal(scene, path.at(-1), color);
   }
-  if (goal) drawGoal(scene, goal, color);
+  const { asked } = scene.context.setup;
+  for (const one of [goal, String(asked) != String(goal) && asked].filter(Boolean))
+    drawGoal(scene, one, color);
 }
 
 /** The ellipse of the position, and the wedge of the heading, within 2 standard errors. */

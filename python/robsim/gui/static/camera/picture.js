@@ -87,13 +87,15 @@ function drawWhole(pen, { picture, size }, { toCanvas, angle, scale }) {
 
 /** How wide the picture is on the screen, in device pixels; no wider than the camera's. */
 function shownWidth({ frame }, canvas, lens) {
-  if (!frame?.picture) return canvas.width > 1 ? canvas.width : 0;
+  if (canvas.width <= 1) return 0; // it is hidden, as under a tool
+  if (!frame?.picture) return canvas.width;
   return Math.min(Math.round(frame.size[0] * lens.scale), frame.size[0]);
 }
 
 /** How wide the picture is on the screen (device pixels): as fine as Python needs to send it. */
 function makeWidthTeller(context, width) {
   let told = 0;
+  let wanted = 0;
   let timer = 0;
   const known = () => width() || Math.round(USUAL_CAMERA_WIDTH * devicePixelRatio);
   const send = () => {
@@ -106,6 +108,8 @@ function makeWidthTeller(context, width) {
     /** What is said with hello. */
     first: () => (told = known()),
     tell: () => {
+      if (known() == wanted) return; // frames come faster than the rest is long
+      wanted = known();
       clearTimeout(timer);
       timer = setTimeout(send, SIZE_REST);
     },
