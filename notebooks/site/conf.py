@@ -8,6 +8,7 @@ from pathlib import Path
 import nbclient
 from docutils import nodes
 from docutils.utils.math import latex2mathml
+from numpydoc.numpydoc import mangle_signature
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_tools"))
@@ -21,7 +22,6 @@ version = release = version_of("robsim")
 extensions = [
     "myst_nb",
     "numpydoc",
-    "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx_design",
     "sphinx_llms_txt",
@@ -59,7 +59,6 @@ html_sidebars = {"gallery": []}
 html_theme_options = {
     "header_links_before_dropdown": 6,
     "navbar_align": "left",
-    "navigation_with_keys": False,
     "show_toc_level": 2,
     "footer_start": ["copyright"],
     "footer_end": [],
@@ -95,6 +94,12 @@ def replace_outputs(app, doctree):
                 break
 
 
+def without_self(*given):
+    """Return the signature as numpydoc does, for native methods without `self`."""
+    signature, returns = mangle_signature(*given) or ("", "")
+    return (re.sub(r"^\(self(, )?", "(", signature), returns) if signature else None
+
+
 def write_formula(writer, node):
     """Write a formula as MathML, which browsers draw without a script from the internet."""
     is_block = isinstance(node, nodes.math_block)
@@ -108,5 +113,6 @@ def setup(app):
     """Gather the sources, and prepare formulas and notebooks."""
     gathering.gather(Path(app.srcdir))
     app.add_html_math_renderer("mathml", (write_formula, None), (write_formula, None))
+    app.connect("autodoc-process-signature", without_self, priority=400)  # before numpydoc
     app.connect("doctree-read", replace_outputs)
     nbclient.client.NotebookClient = Client

@@ -9,9 +9,7 @@ import reference
 ROOT = Path(__file__).parents[3]
 SOURCES = (  # a folder, its files, and their folder in the site
     ("notebooks/site", "**/*.md", ""),
-    ("notebooks/site", "**/*.png", ""),
     ("notebooks", "*.ipynb", "notebooks"),
-    ("notebooks", "*.svg", "notebooks"),
     ("", "C*.md", "project"),
     ("", "SECURITY.md", "project"),
     ("python/robsim", "**/ARCHITECTURE.md", "project"),
