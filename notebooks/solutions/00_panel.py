@@ -1,5 +1,7 @@
 """The answers of the notebook 00_panel, and mistakes that students make."""
 
+import numpy as np
+
 from robsim.teach.exercises.exercise import exercise
 
 
@@ -8,7 +10,7 @@ def limited(turn):
 
 
 @exercise(
-    cases=lambda rng: (rng.uniform(-3, 3),),
+    cases=lambda rng: (rng.choice((0.0, rng.uniform(-3, 3))),),
     hint="First compute the turn and limit it. Which wheel is faster on the way to the right?",
     mistakes={
         "The robot turns left for a goal on its right: exchange the wheels.": (
@@ -34,6 +36,19 @@ def motors(angle):
     return 0.3 + turn, 0.3 - turn
 
 
+def some_steps(rng):
+    """Return few enough steps to be shown; always seen, or not seen at the ends, in some cases."""
+    seen = (rng.random(6) > 0.4).astype(int)
+    if rng.random() < 0.5:
+        seen[: rng.integers(3)] = seen[6 - rng.integers(3) :] = 0
+    return (np.ones(6, int) if rng.random() < 0.1 else seen,)
+
+
+def inner(seen):
+    """Return the longest gap that ends before the last step."""
+    return max(gaps(np.append(np.trim_zeros(seen, "b"), 1)))
+
+
 def gaps(seen):
     """Return the lengths of all gaps."""
     texts = "".join(str(int(one)) for one in seen).split("1")
@@ -41,16 +56,15 @@ def gaps(seen):
 
 
 @exercise(
-    cases=lambda rng: ((rng.random(60) > 0.4).astype(int),),
+    cases=some_steps,
     hint="Count up at each step unseen, and begin again at each step seen. What do you keep?",
     mistakes={
         "This counts all steps unseen: return the longest gap.": (
             lambda seen: int((seen == 0).sum())
         ),
         "This is the last gap: keep the largest count so far.": lambda seen: gaps(seen)[-1],
-        "This counts the steps in which it was seen.": lambda seen: (
-            gaps(1 - seen) and max(gaps(1 - seen))
-        ),
+        "This is the longest row in which it was seen.": lambda seen: max(gaps(1 - seen)),
+        "A gap may last to the end: compare it there, too.": inner,
         "This is the number of gaps, not the length of one.": lambda seen: len(gaps(seen)),
         "This is one step too many.": lambda seen: max(gaps(seen)) + 1,
     },

@@ -6,8 +6,10 @@ from robsim.teach.exercises.exercise import exercise
 
 
 def wishes(rng):
-    last = rng.uniform(1.4, 1.49) * rng.choice((-1, 1))
-    return rng.uniform(-3, 3), last, 1.5, rng.uniform(1.5, 3), 0.05
+    """Return wishes near the limit; some last voltages are above it, as after a change of limits."""
+    voltage = rng.uniform(1, 2)
+    last = rng.choice((0.95, 0.99, 1.3)) * voltage * rng.choice((-1, 1))
+    return rng.uniform(-3, 3), last, voltage, rng.uniform(1.5, 3), 0.05
 
 
 def step_first(wanted, last, voltage, slew_rate, dt):
@@ -16,11 +18,16 @@ def step_first(wanted, last, voltage, slew_rate, dt):
 
 @exercise(
     cases=wishes,
-    hint="First limit the change, then the voltage. np.clip(value, least, most) does one of them.",
+    hint="There are two limits. Which of them must hold for the result, whatever came before?",
     mistakes={
-        "The voltage has no limit: at most 1.5 V, in both directions.": step_first,
+        "The voltage has no limit: at most `voltage`, in both directions.": step_first,
         "The change has no limit: at most slew_rate times dt.": (
             lambda wanted, last, voltage, slew_rate, dt: np.clip(wanted, -voltage, voltage)
+        ),
+        "Limit the change first: the limit of the voltage must hold for the result.": (
+            lambda wanted, last, voltage, slew_rate, dt: step_first(
+                np.clip(wanted, -voltage, voltage), last, voltage, slew_rate, dt
+            )
         ),
         "The change is limited upwards only.": lambda wanted, last, voltage, slew_rate, dt: np.clip(
             min(wanted, last + slew_rate * dt), -voltage, voltage

@@ -9,13 +9,24 @@ from robsim.teach.exercises.exercise import exercise
 
 
 def heading_and_count(rng):
-    count = int(rng.choice((8, 36)))
+    """Return a heading away from the middle between two; near pi in every third case."""
+    count = int(rng.choice((5, 8, 36)))
+    if rng.random() < 0.3 and count % 2 == 0:  # nearest to pi, on either side of it
+        return rng.choice((-1, 1)) * (math.pi - rng.uniform(0.1, 0.4) * 2 * math.pi / count), count
     whole = rng.integers(-count // 2 + 1, count // 2)
     return (whole + rng.uniform(0.1, 0.4) * rng.choice((-1, 1))) * 2 * math.pi / count, count
 
 
+def not_the_nearest(result, heading, count):
+    """Return the fault of a heading, or None; pi and -pi are the same."""
+    right = drawn_heading.right(heading, count)
+    same = abs(robsim.wrap_angle(result - right)) < 1e-6 and abs(result) < math.pi + 1e-6
+    return None if same else f"it must be {right:.6g}."
+
+
 @exercise(
     cases=heading_and_count,
+    judge=not_the_nearest,
     hint="How far apart are neighbours? How many such distances is the heading, rounded?",
     mistakes={
         "This rounds down: take the nearest one.": lambda heading, count: (

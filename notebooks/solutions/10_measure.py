@@ -46,7 +46,6 @@ def either(image):
         "Compare red with green, too: violet is no red.": lambda image: (
             channels(image)[0] > channels(image)[2] + MORE
         ),
-        "A mask has True and False, not 255 and 0.": lambda image: 255 * red(image),
         "A grey or white pixel has much red, too: compare red with green and blue.": (
             lambda image: image[:, :, 0] > MORE
         ),

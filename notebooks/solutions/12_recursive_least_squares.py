@@ -9,10 +9,11 @@ from robsim.teach.exercises.exercise import exercise
 
 
 def two_poses(rng):
-    """Return poses on both sides of the negative x axis, in every second case."""
+    """Return poses on both sides of the negative x axis, in every second case; in both turns."""
     x, y = rng.uniform(100, 900, 2)
-    heading = math.pi - 0.05 if rng.integers(2) else rng.uniform(-1.5, 1.5)
-    pose_1 = x + 3, y - 2, robsim.wrap_angle(heading + rng.uniform(0.1, 0.2))
+    turn = rng.choice((-1, 1))
+    heading = turn * (math.pi - 0.05) if rng.integers(2) else rng.uniform(-1.5, 1.5)
+    pose_1 = x + 3, y - 2, robsim.wrap_angle(heading + turn * rng.uniform(0.1, 0.2))
     return np.array(pose_1), np.array((x, y, heading)), rng.uniform(-1, 1, 2)
 
 

@@ -114,8 +114,10 @@ def _fault(exercise: Exercise, case: Case, result: Any) -> str | None:
     if isinstance(right, np.ndarray):
         if not isinstance(result, np.ndarray):
             return f"{exercise.name} returns a {type(result).__name__}: make it an array, np.array."
-        if right.dtype.kind in "iu" and result.dtype.kind not in "iu":
+        if right.dtype.kind in "iu" and right.max() > 1 and result.dtype.kind == "f":
             return f"{exercise.name} returns decimals: an index is an integer, dtype=int."
+        if right.dtype.kind == "b" != result.dtype.kind:
+            return f"{exercise.name} returns numbers: a mask has True and False, dtype=bool."
     call = f"{exercise.name}({', '.join(map(_shown, case))})"
     if exercise.judge is not None:
         said = exercise.judge(result, *case)
