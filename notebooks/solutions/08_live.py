@@ -18,7 +18,7 @@ def step_first(wanted, last, voltage, slew_rate, dt):
 
 @exercise(
     cases=wishes,
-    hint="There are two limits. Which of them must hold for the result, whatever came before?",
+    hint="There are two limits. Which of them must hold for the result?",
     mistakes={
         "The voltage has no limit: at most `voltage`, in both directions.": step_first,
         "The change has no limit: at most slew_rate times dt.": (
