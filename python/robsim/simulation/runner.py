@@ -415,9 +415,11 @@ class Runner(Slotted):
         """Raise ValueError if nothing gives the poses that the parameters are estimated from."""
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
         if needed and not self._is_on(needed):
-            remedy = (
-                "measure=True, in the shell --measure" if needed == "measure" else f"{needed}=..."
-            )
+            remedy = {
+                "measure": "measure=True, in the shell --measure",
+                "estimate_state": "estimate_state=..., in the shell a folder with an enabled "
+                "estimate_state.py, as robsim new writes it",
+            }[needed]
             raise ValueError(
                 "identify_from: the parameters are to be estimated from each "
                 f"{self.identify_from}, but there is none: give {remedy}"

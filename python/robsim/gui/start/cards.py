@@ -56,7 +56,10 @@ def _noise() -> Scene:
 
 
 def _identify() -> Scene:
-    return Scene(Simulation(**_DRIVING, estimate_parameters=True, identify_from="measurement"))
+    sim = Simulation(
+        **_DRIVING, headings=None, estimate_parameters=True, identify_from="measurement"
+    )
+    return Scene(sim)
 
 
 def _estimate() -> Scene:
