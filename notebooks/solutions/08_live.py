@@ -6,7 +6,7 @@ from robsim.teach.exercises.exercise import exercise
 
 
 def wishes(rng):
-    """Return wishes near the limit; some last voltages are above it, as after a change of limits."""
+    """Return wishes; some last voltages are above the limit, as after a change of limits."""
     voltage = rng.uniform(1, 2)
     last = rng.choice((0.95, 0.99, 1.3)) * voltage * rng.choice((-1, 1))
     return rng.uniform(-3, 3), last, voltage, rng.uniform(1.5, 3), 0.05

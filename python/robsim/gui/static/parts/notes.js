@@ -28,12 +28,14 @@ export function makeNotes(context) {
   context.on("note", ({ level, text: words, option }) => {
     if (option) return; // it stands beside its field
     if (!shown.has(words)) {
+      if (level == "error") // one at a time: they cover what is below
+        for (const [other, note] of shown) if (note.level == "error") drop(other);
       const close = makeButton("close", "robsim-plain robsim-icon", () => drop(words));
       const toast = make(`div.robsim-surface.robsim-afloat.robsim-toast.robsim-toast-${level}`,
         make("span", words), close);
       toast.addEventListener("pointerenter", () => clearTimeout(shown.get(words)?.timer));
       toast.addEventListener("pointerleave", () => shown.has(words) && wait(words, level));
-      shown.set(words, { toast, timer: 0 });
+      shown.set(words, { toast, level, timer: 0 });
       element.append(toast);
       if (shown.size > MOST_NOTES) drop(shown.keys().next().value);
     }
