@@ -44,16 +44,11 @@ def shade(points: float, most: float) -> str:
     return "all" if share == 1 else "some" if share > 0 else "none"
 
 
-_PARTS = 10  # between none and all
-
-
 def counts_of(points: Sequence[float], most: float) -> list[int]:
     """Return the number of submissions without points, with each tenth of them, with all."""
-    counts = [0] * (_PARTS + 2)
-    for one in points:
-        share = fraction_of(one, most)
-        counts[-1 if share == 1 else math.floor(_PARTS * share) + 1 if share > 0 else 0] += 1
-    return counts
+    shares = [fraction_of(one, most) for one in points]
+    parts = [math.floor(10 * share) + (share > 0) for share in shares]
+    return [parts.count(part) for part in range(12)]
 
 
 _EDGE = 1.15  # room beside the outermost of what is shown, a factor
