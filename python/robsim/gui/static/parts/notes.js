@@ -28,7 +28,7 @@ export function makeNotes(context) {
   context.on("note", ({ level, text: words, option }) => {
     if (option) return; // it stands beside its field
     if (!shown.has(words)) {
-      if (level == "error") // one at a time: they cover what is below
+      if (level == "error") // one at a time: they cover controls
         for (const [other, note] of shown) if (note.level == "error") drop(other);
       const close = makeButton("close", "robsim-plain robsim-icon", () => drop(words));
       const toast = make(`div.robsim-surface.robsim-afloat.robsim-toast.robsim-toast-${level}`,
