@@ -70,7 +70,7 @@ class Start(HostedPanel):
         scene.begin(panel._view)
         panel._view.go_home = self._home
         self._resume()
-        if scene.task is None and not panel._view.driver.has_motors:
+        if scene.task is None:  # motors of a card are simulated
             panel.start()
 
     def _resume(self) -> None:
