@@ -428,3 +428,20 @@ def test_what_a_callback_says_is_text(open_panel):
     row.wait_for()
     assert tab.title() != "1"
     assert tab.locator("main img, main script").count() == 0
+
+
+@pytest.mark.slow
+def test_prints_are_shown_from_their_end(open_panel):
+    def control(step):
+        print("step", step.k)
+        return 0.1, 0.2
+
+    view, tab = open_panel(robsim.Simulation(area=(300, 300), seed=1, control=control))
+    for _ in range(60):
+        view.driver.step().result()
+    tab.get_by_role("tab", name="Callbacks").click()
+    prints = tab.locator(".robsim-printed")
+    prints.get_by_text("step 59").wait_for()
+    at_end = "list => list.scrollHeight > list.clientHeight && "
+    at_end += "list.scrollTop + list.clientHeight > list.scrollHeight - 4"
+    wait_for(lambda: prints.evaluate(at_end))

@@ -62,12 +62,17 @@ function makePrinted(context) {
   const list = make("ol.robsim-surface.robsim-code.robsim-printed", { tabIndex: 0,
     ariaLabel: text("printed") });
   const element = make("section", { hidden: true }, make("h3", text("printed")), list);
+  let follows = true;
+  const toEnd = () => follows && (list.scrollTop = list.scrollHeight);
+  list.onscroll = () => { // hidden, it has no height
+    if (list.clientHeight) follows = list.scrollTop + list.clientHeight > list.scrollHeight - 4;
+  };
+  new ResizeObserver(toEnd).observe(list);
   context.on("printed", ({ lines }) => {
-    const isAtEnd = list.scrollTop + list.clientHeight > list.scrollHeight - 4;
     element.hidden = !lines.length;
     list.replaceChildren(...lines.map(([slot, words]) =>
       make("li", make("span.robsim-quiet", text(`slot.${slot}`)), make("span", words))));
-    if (isAtEnd) list.scrollTop = list.scrollHeight;
+    toEnd();
   });
   return element;
 }
