@@ -118,8 +118,7 @@ _CODECS: dict[str, tuple[str, str, dict[str, str]]] = {
     ".mkv": (LOSSLESS, "bgr0", _INDEPENDENT),
     ".avi": (LOSSLESS, "bgr0", _INDEPENDENT),
 }
-#: Of a video to look at: a tenth of the size.
-SMALL_WEBM = "libvpx", "yuv420p", {"crf": "30", "b": "4M", "cpu-used": "8", "deadline": "realtime"}
+_SMALL_WEBM = "libvpx", "yuv420p", {"crf": "30", "b": "4M", "cpu-used": "8", "deadline": "realtime"}
 #: Suffixes of the files that can be written, for a user.
 SUFFIXES = f"{', '.join(_CODECS)}; .mkv and .avi are lossless."
 
@@ -290,3 +289,11 @@ def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, f
     with VideoWriter(path, fps=fps) as video:
         for index, frame in enumerate(frames):
             video._write(f"frames[{index}]", frame)
+
+
+def save_small_video(file: Path, frames: Iterable[Pixels], *, fps: float) -> None:
+    """Write a .webm to look at, of a seventh of the size."""
+    with VideoWriter(file, fps=fps) as video:
+        video._codec = _SMALL_WEBM
+        for frame in frames:
+            video.write(frame)

@@ -167,7 +167,7 @@ class Share(Part):
     def _clip(self) -> tuple[str, bytes]:
         """Return the name and the content of the clip; no content without frames."""
         from robsim.plotting.images.replay import annotated_frames
-        from robsim.vision.imaging.video import SMALL_WEBM, VideoWriter, load_av
+        from robsim.vision.imaging.video import load_av, save_small_video
 
         runner, trace = self.panel.runner, self.panel.record.trace
         assert isinstance(runner, Runner)
@@ -181,10 +181,7 @@ class Share(Part):
             try:
                 load_av("a clip")
                 file = Path(folder, "run.webm")
-                with VideoWriter(file, fps=rate) as video:
-                    video._codec = SMALL_WEBM
-                    for pixels in pictures:
-                        video.write(pixels)
+                save_small_video(file, pictures, fps=rate)
             except ImportError:
                 file = Path(folder, "run.gif")
                 Clip(pictures, fps=min(60.0, rate), width=_WIDTH).save(file)
