@@ -17,6 +17,7 @@ from robsim.base.text import one_line
 from robsim.estimation.evaluation.errors import usual_limits
 from robsim.gui._link import small_png
 from robsim.gui._worker import drawing
+from robsim.gui.panels.analysis.statistics import longest_valid
 from robsim.gui.panels.record import Record
 from robsim.gui.panels.run.camera import Shot
 from robsim.plotting import draw_overlay
@@ -96,9 +97,8 @@ def _camera_picture(record: Record, shot: Shot) -> Any:
 
 
 def _draw_record(figure: Any, trace: Trace) -> None:
-    errors = trace.error if trace.is_tracked else np.empty((0, 3))
-    errors = errors[np.isfinite(errors).all(axis=1)]
-    has_errors = len(errors) > 0
+    part = trace[longest_valid(trace)]
+    has_errors = trace.is_tracked and len(part) > 0
     ratios = (2.3, 1) if has_errors else (1,)
     grid = figure.subplots(3, len(ratios), sharex="col", width_ratios=ratios, squeeze=False)
     panels = grid[:, 0].tolist()
@@ -106,7 +106,7 @@ def _draw_record(figure: Any, trace: Trace) -> None:
     style.show_steps(panels[-1], trace)
     _add_legend(figure, panels[0])
     if has_errors:
-        _draw_histograms(grid[:, 1].tolist(), errors)
+        _draw_histograms(grid[:, 1].tolist(), part)
     figure.align_ylabels(panels)
 
 
@@ -120,7 +120,8 @@ def _add_legend(figure: Any, panel: Axes) -> None:
     figure.suptitle(" ", size=10)  # its room
 
 
-def _draw_histograms(panels: Sequence[Axes], errors: Floats) -> None:
+def _draw_histograms(panels: Sequence[Axes], trace: Trace) -> None:
+    errors = trace.error
     errors[:, 2] = np.rad2deg(errors[:, 2])
     for panel, values, unit in zip(panels, errors.T, _UNITS, strict=True):
         panel.set_ylim(usual_limits(values))
@@ -129,4 +130,4 @@ def _draw_histograms(panels: Sequence[Axes], errors: Floats) -> None:
         panel.set_title("", loc="left")
         text = f"{values.mean():.3f} ± {values.std():.3f} {unit}"
         panel.set_title(text, loc="left", fontsize=8, pad=3).set_in_layout(False)
-    panels[-1].set_xlabel(f"error, {style.n_steps(len(errors))}")
+    panels[-1].set_xlabel(f"error, longest record: {style.n_steps(len(trace))}")
