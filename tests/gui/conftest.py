@@ -3,6 +3,7 @@
 import sys
 import threading
 import traceback
+from contextlib import suppress
 
 import pytest
 
@@ -96,16 +97,22 @@ def chromium():
     yield from running_chromium()
 
 
+def said_by(tab):
+    """Return the words of a page, and the names of its disabled controls."""
+    disabled = tab.evaluate("[...document.querySelectorAll(':disabled')].map((e) => e.name)")
+    return f"{tab.locator('body').inner_text(timeout=10_000)}\ndisabled: {disabled}"
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
     """Add to a failure in a browser what each page says, and where the threads of robsim are."""
     report = yield
     browser = item.funcargs.get("chromium")
     if report.failed and call.when == "call" and browser is not None:
-        for tab in (tab for context in browser.contexts for tab in context.pages):
-            busy = tab.evaluate("[...document.querySelectorAll(':disabled')].map((e) => e.name)")
-            said = f"{tab.evaluate('document.body.innerText')}\ndisabled: {busy}"
-            report.sections.append(("page", said))
+        with suppress(Exception):  # of a page that is gone: the failure is to be seen
+            report.sections += [
+                ("page", said_by(tab)) for one in browser.contexts for tab in one.pages
+            ]
         frames = sys._current_frames()
         for thread in threading.enumerate():
             if thread.name.startswith("robsim") and thread.ident in frames:
