@@ -140,6 +140,20 @@ def test_a_function_that_changes_its_arguments_is_not_right():
     assert sentence.startswith("It changes its argument goal, ")
 
 
+def test_an_exercise_may_be_a_function_of_numpy():
+    hypot = robsim.teach.Exercise(
+        right=np.hypot, cases=lambda rng: (*rng.random((2, 3)),), hint="Pythagoras"
+    )
+    assert robsim.teach.check_answer(lambda x, y: (x * x + y * y) ** 0.5, hypot)
+
+    def changing(*sides):
+        sides[1][:] = 0
+        return sides[0]
+
+    (sentence,) = robsim.teach.check_answer(changing, hypot).sentences
+    assert sentence.startswith("It changes its argument 2, ")
+
+
 def test_an_error_has_its_line():
     def typo(pose, goal):
         return poes[0]  # noqa: F821

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections import Counter
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext, redirect_stdout
+from contextlib import nullcontext, redirect_stdout, suppress
 from inspect import signature
 from io import StringIO
 from typing import Any
@@ -146,20 +146,26 @@ def _results(answer: Answer, exercise: Exercise, cases: Sequence[Case]) -> list[
     """Return the results of all calls; it prints in the first call alone."""
     limit = TimeLimit(_LIMIT)
     call = limit.limited(answer, exercise.name)
-    names = signature(exercise.right).parameters
     results = []
     with limit.watching():
         for number, case in enumerate(cases):
             given = copies(case)
             with redirect_stdout(StringIO()) if number else nullcontext():
                 results.append(call(*given))
-            for name, one, before in zip(names, given, case, strict=True):
+            for at, (one, before) in enumerate(zip(given, case, strict=True)):
                 if not np.array_equal(one, before, equal_nan=True):
                     raise _ChangedError(
-                        f"It changes its argument {name}, which its caller still needs: work on a "
-                        f"copy, {name}.copy()."
+                        f"It changes its argument {_argument(answer, at)}, which its caller still "
+                        "needs: work on a copy, by .copy()."
                     )
     return results
+
+
+def _argument(function: Answer, at: int) -> str:
+    """Return the name of an argument, or its number where a function tells no names."""
+    with suppress(ValueError, IndexError):
+        return [*signature(function).parameters][at]
+    return str(at + 1)
 
 
 class _ChangedError(Exception):
