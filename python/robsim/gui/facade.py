@@ -140,21 +140,14 @@ class Panel(HostedPanel):
 
     Examples
     --------
-    A script that shows a run in a browser window until that is closed:
+    In a script, ``panel.open()`` shows it in a browser window, and ``panel.wait()`` waits for the
+    end of that window. Without a window:
 
     >>> sim = robsim.Simulation(control=robsim.DriveAround(), measure=True, seed=1)
-    >>> with robsim.panel(sim, speed=1) as panel:
-    ...     panel.open()
-    ...     panel.wait()
-
-    Without a window:
-
     >>> with robsim.panel(sim) as panel:
-    ...     panel.start()
-    ...     while len(panel.trace) < 20:
-    ...         time.sleep(0.1)
-    ...     panel.pause()
-    ...     frame = panel.last_step.frame
+    ...     steps = [panel.step() for _ in range(3)]
+    ...     print(len(panel.trace), panel.state)
+    3 paused
     """
 
     _maker = "robsim.panel"

@@ -142,9 +142,13 @@ class Experiment(Runner):
 
     Examples
     --------
-    >>> with robsim.Experiment(camera, send=motors) as experiment:
-    ...     experiment.control = robsim.GoToPoint(600, 300)
-    ...     trace = experiment.run(100)
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     with robsim.lab.UdpMotors(lab.address) as motors:
+    ...         experiment = robsim.Experiment(camera, send=motors)
+    ...         experiment.control = robsim.GoToPoint(600, 300)
+    ...         trace = experiment.run(3)
+    >>> len(trace), trace.u.shape
+    (3, (3, 2))
     """
 
     _GROUPS = RECORDED

@@ -248,8 +248,7 @@ class Trace:
 
         Examples
         --------
-        >>> import robsim
-        >>> sim = robsim.Simulation(seed=1, measure=True)
+        >>> sim = robsim.Simulation(seed=1, measure=True, estimate_parameters=True)
         >>> trace = sim.run(100).in_unit("cm", mm_per_px=2)
         >>> trace.units["x_true"], trace.units["b1X"]
         ('cm', 'cm/V')

@@ -339,7 +339,10 @@ def measurement_bound(
     >>> sim = robsim.Simulation(robot="lab", headings=None, start=(500, 600, 0.3))
     >>> step = sim.step()
     >>> noise = robsim.GaussianNoise(10)
-    >>> measurement_bound(sim.frame, (500, 600, 0.3), sim.robot, noise=noise).rmse_xy
+    >>> pose = (500, 600, 0.3)
+    >>> bound = robsim.estimation.measurement_bound(sim.frame, pose, sim.robot, noise=noise)
+    >>> round(bound.rmse_xy, 3)
+    0.039
     """
     check_kind("frame", frame, Frame)
     place = as_float_array("pose", pose)

@@ -82,19 +82,16 @@ def color_panel(
 
     Examples
     --------
-    In a notebook, as the last lines of a cell, and when all are trained in the next one:
+    In a notebook, ``tool`` as the last line of a cell shows the panel. Without a window:
 
-    >>> tool = robsim.gui.color_panel("photo.png")
-    >>> tool
-
-    >>> sim = robsim.Simulation(colors=tool.value, measure=True)
-
-    Without a window:
-
-    >>> with robsim.gui.color_panel("photo.png", file="mine.toml") as tool:
-    ...     tool.train("red", (20, 20, 29, 29))
-    ...     tool.save()
-    ColorClass('red', y=(0, 255), u=(0, 154), v=(156, 255))
+    >>> step = robsim.Simulation(seed=1, robot="lab").step()
+    >>> x, y = (int(value) for value in step.blobs["red"][0].centroid)
+    >>> region = (x - 4, y - 4, x + 4, y + 4)
+    >>> with robsim.gui.color_panel(step.frame, file="mine.toml") as tool:
+    ...     color = tool.train("red", region)
+    ...     path = tool.save()
+    >>> [color.name for color in robsim.load_colors("mine.toml")]
+    ['red']
     """
     path = as_path(file, "file")
     definition = as_robot(robot)
@@ -141,12 +138,14 @@ def floor_panel(
 
     Examples
     --------
-    In a notebook, as the last lines of a cell, and when it fits well in the next one:
+    In a notebook, ``tool`` as the last line of a cell shows the panel. A camera takes its value:
+    ``robsim.Camera(0, calibration=tool.value)``. Without a window:
 
-    >>> tool = robsim.gui.floor_panel("floor.png", calibration="camera.toml")
-    >>> tool
-
-    >>> camera = robsim.Camera(0, calibration=tool.value)
+    >>> with robsim.gui.floor_panel() as tool:
+    ...     tool.put([(100, 100), (500, 100), (500, 400), (100, 400)],
+    ...              [(0, 0), (800, 0), (800, 600), (0, 600)])
+    ...     round(tool.value.mm_per_px, 2)
+    2.0
     """
     given = None if file is None else as_path(file, "file")
     if what is None and calibration is None and given is None:
@@ -210,12 +209,12 @@ def robot_panel(
 
     Examples
     --------
-    In a notebook, as the last lines of a cell, and when it is drawn in the next one:
+    In a notebook, ``tool`` as the last line of a cell shows the panel. Without a window:
 
-    >>> tool = robsim.gui.robot_panel("photo.png")
-    >>> tool
-
-    >>> sim = robsim.Simulation(robot=tool.value, measure=True)
+    >>> with robsim.gui.robot_panel() as tool:
+    ...     sim = robsim.Simulation(robot=tool.value, measure=True, seed=1)
+    >>> sim.run(3).seen
+    array([ True,  True,  True])
     """
     definition = as_robot(robot)
     known = colors_value(colors)

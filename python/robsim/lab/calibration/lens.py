@@ -108,12 +108,6 @@ def calibrate_lens(
     Source: Z. Zhang, A flexible new technique for camera calibration, IEEE Transactions on Pattern
     Analysis and Machine Intelligence 22(11), 2000; by OpenCV, with two radial and two tangential
     coefficients, and a third radial one where the pictures determine it.
-
-    Examples
-    --------
-    >>> pictures = [robsim.vision.load_image(file) for file in Path("board").glob("*.png")]
-    >>> lens = calibrate_lens(pictures, Chessboard(9, 6, square=25))
-    >>> robsim.vision.save_calibration("camera.toml", lens.calibration)
     """
     cv2 = load_opencv("calibrating a lens")
     if not isinstance(board, (Chessboard, Charuco)):

@@ -170,8 +170,13 @@ class Camera(Closing):
 
     Examples
     --------
-    >>> with robsim.Camera("http://camera.local/video.mjpg") as camera:
-    ...     trace = robsim.Experiment(camera).run(300)
+    A real camera has a number, ``robsim.Camera(0)``, a device or an address,
+    ``robsim.Camera("http://camera.local/video.mjpg")``; here the simulated laboratory has one:
+
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     trace = robsim.Experiment(camera).run(3)
+    >>> camera.size, len(trace)
+    ((1200, 1200), 3)
     """
 
     def __init__(

@@ -39,8 +39,11 @@ class CameraFeatures:
 
     Examples
     --------
+    A camera gets them as ``robsim.Camera("firewire://", features=features)``.
+
     >>> features = robsim.lab.CameraFeatures(shutter=0.005, gain=6)
-    >>> robsim.Camera("firewire://", features=features)
+    >>> features.shutter, features.gain, features.exposure
+    (0.005, 6.0, None)
     """
 
     shutter: float | str | None = None

@@ -66,8 +66,8 @@ def find_cameras(*, network: bool = False) -> CameraReport:
 
     Examples
     --------
-    >>> robsim.lab.find_cameras().found
-    ('camera 0: /dev/video0 (UVC Camera): robsim.Camera(0)', ...)
+    >>> robsim.lab.find_cameras().found[-1]
+    'a file played at its own rate: robsim.Camera("run.mkv")'
     """
     on_gige = _gige(check_bool("network", network))
     found: list[str] = []

@@ -170,8 +170,12 @@ class UdpMotors(LineMotors):
 
     Examples
     --------
-    >>> with robsim.lab.UdpMotors("192.168.4.1:5005") as motors:
-    ...     motors((0.5, 0.5))
+    A robot has an address of the network, such as ``"192.168.4.1:5005"``.
+
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.lab.UdpMotors(lab.address) as motors:
+    ...     sent_at = motors((0.5, 0.5))
+    ...     print(motors.ttl, motors.is_halted)
+    0.3 False
     """
 
     def __init__(

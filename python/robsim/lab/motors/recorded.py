@@ -20,7 +20,7 @@ class RecordedMotors(Closing):
     Examples
     --------
     >>> motors = robsim.lab.RecordedMotors()
-    >>> motors((0.5, -0.25))
+    >>> sent_at = motors((0.5, -0.25))
     >>> motors.inputs
     array([[ 0.5 , -0.25]])
     """

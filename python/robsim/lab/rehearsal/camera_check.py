@@ -146,8 +146,13 @@ def check_camera(
 
     Examples
     --------
-    >>> with robsim.Camera(0) as camera:
-    ...     print(robsim.lab.check_camera(camera, robot="lab"))
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     check = robsim.lab.check_camera(camera, robot="lab", seconds=0.5)
+    >>> print(check)
+    Check of the camera: ...
+      of the frames                      value   verdict
+      ----------------------------------------------------
+      frame rate (1/s) ...
     """
     if not isinstance(camera, Camera):
         raise TypeError(f"camera must be a robsim.Camera, got {quoted(camera)}")

@@ -84,9 +84,11 @@ class SimulatedLab(Closing):
 
     Examples
     --------
-    >>> with robsim.lab.SimulatedLab(robsim.Scenario(seed=1)) as lab:
-    ...     with robsim.Camera(lab) as camera, robsim.lab.UdpMotors(lab.address) as motors:
-    ...         trace = robsim.Experiment(camera, send=motors, control=control).run(300)
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     with robsim.lab.UdpMotors(lab.address) as motors:
+    ...         trace = robsim.Experiment(camera, send=motors, control=robsim.Spin()).run(3)
+    >>> camera.size, len(trace)
+    ((1200, 1200), 3)
     """
 
     def __init__(

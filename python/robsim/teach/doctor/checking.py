@@ -55,8 +55,11 @@ def check_folder(
 
     Examples
     --------
-    >>> print(robsim.teach.check_folder("mine"))
-    >>> print(robsim.teach.check_folder("parking", task="park"))  # doctest: +SKIP
+    >>> from pathlib import Path
+    >>> Path("mine").mkdir()
+    >>> size = Path("mine/control.py").write_text("def control(step): return 0.5")
+    >>> print(robsim.teach.check_folder("mine").problems[0].sentence)
+    control.py: it returns 0.5, not (u1, u2), the voltages of the left and the right motor
     """
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be a function of a line, or None, got {quoted(progress)}")

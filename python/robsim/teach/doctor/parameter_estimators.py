@@ -94,7 +94,9 @@ def check_parameter_estimator(
 
     Examples
     --------
-    >>> print(robsim.check_parameter_estimator(MyLeastSquares))
+    >>> make = lambda: robsim.RecursiveLeastSquares(5, n_filters=3)
+    >>> print(robsim.check_parameter_estimator(make))
+    RecursiveLeastSquares passed all checks
     """
     updates = check_int("updates", updates, minimum=1000, maximum=10_000_000)
     return run_checks(make, PARAMETERS, budget, partial(_checks, updates=updates))

@@ -119,7 +119,8 @@ def check_estimator(
 
     Examples
     --------
-    >>> print(robsim.check_estimator(MyFilter))
+    >>> print(robsim.check_estimator(robsim.estimation.reference.ExtendedKalmanFilter))
+    ExtendedKalmanFilter passed all checks
     """
     if dt is not None:
         dt = check_float("dt", dt, "s", minimum=1e-3, maximum=10)

@@ -100,9 +100,11 @@ class Session:
 
     Examples
     --------
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     trace = robsim.Experiment(camera, measure=True, record="monday").run(3)
     >>> session = robsim.trace.Session("monday")
-    >>> again = robsim.Experiment(session, colors="other_colors.toml").run()
-    >>> again.pose_measured - session.trace.pose_measured
+    >>> len(session), session.size, session.is_complete
+    (3, (1200, 1200), True)
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:

@@ -48,7 +48,9 @@ class Clip:
 
     Examples
     --------
-    >>> robsim.vision.Clip((sim.step().frame for _ in range(50)), fps=5)
+    >>> sim = robsim.Simulation(seed=1)
+    >>> robsim.vision.Clip((sim.step().frame for _ in range(10)), fps=5)
+    <Clip: 10 frames of 480 x 480 px, ... kB>
     """
 
     def __init__(self, frames: Iterable[Frame | Pixels], *, fps: float, width: int = 480) -> None:

@@ -104,8 +104,11 @@ class Recording:
 
     Examples
     --------
-    >>> for frame in robsim.Recording("run.mkv", area=(1200, 1200)):
-    ...     blobs = robsim.find_blobs(frame, robsim.load_colors())
+    >>> sim = robsim.Simulation(seed=1)
+    >>> robsim.vision.save_video("run.mkv", (sim.step().frame for _ in range(5)), fps=5)
+    >>> recording = robsim.Recording("run.mkv")
+    >>> [len(robsim.find_blobs(frame, robsim.load_colors())) for frame in recording]
+    [2, 2, 2, 2, 2]
     """
 
     def __init__(

@@ -157,9 +157,12 @@ class VideoWriter:
 
     Examples
     --------
-    >>> with robsim.vision.VideoWriter("run.webm", fps=5) as video:
-    ...     for _ in range(100):
+    >>> sim = robsim.Simulation(seed=1)
+    >>> with robsim.vision.VideoWriter("run.mkv", fps=5) as video:
+    ...     for _ in range(10):
     ...         video.write(sim.step().frame)
+    >>> sum(1 for frame in robsim.Recording("run.mkv"))
+    10
     """
 
     def __init__(self, path: str | PathLike[str], *, fps: float) -> None:

@@ -71,9 +71,12 @@ def train_color(
 
     Examples
     --------
-    >>> morning, evening = load_image("morning.png"), load_image("evening.png")
-    >>> trained = train_color([morning, evening], [(578, 613, 594, 630)] * 2, name="red")
-    >>> print(trained), trained.color
+    >>> sim = robsim.Simulation(seed=1, noise=robsim.GaussianNoise(8), robot="lab")
+    >>> step = sim.step()
+    >>> x, y = (int(value) for value in step.blobs["red"][0].centroid)
+    >>> region = (x - 4, y - 4, x + 4, y + 4)
+    >>> robsim.vision.train_color([step.frame], [region], name="red").color
+    ColorClass('red', y=(0, 255), u=(0, 159), v=(154, 255))
     """
     boxes = _boxes(regions)
     shown = _images(images)
@@ -137,9 +140,12 @@ def train_markers(
 
     Examples
     --------
-    >>> recording = Recording("monday.mp4", area=(1200, 1200))
-    >>> red, blue = train_markers(recording, robsim.load_robot("lab").marker_layout())
-    >>> robsim.vision.save_colors("colors.toml", [red.color, blue.color])
+    >>> sim = robsim.Simulation(seed=1, noise=robsim.GaussianNoise(8), robot="lab")
+    >>> frames = [sim.step().frame for _ in range(5)]
+    >>> markers = robsim.load_robot("lab").marker_layout()
+    >>> right, left = robsim.vision.train_markers(frames, markers)
+    >>> right.color.name, left.color.name
+    ('red', 'blue')
     """
     check_kind("markers", markers, MarkerLayout)
     if colors is not None and regions is not None:

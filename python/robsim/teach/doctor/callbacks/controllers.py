@@ -88,7 +88,8 @@ def check_controller(
 
     Examples
     --------
-    >>> print(robsim.teach.check_controller(MyController))
+    >>> print(robsim.teach.check_controller(lambda: robsim.GoToPoint(600, 300)))
+    GoToPoint passed all checks
     """
     check_bool("has_estimate", has_estimate)
     check_bool("has_parameters", has_parameters)

@@ -99,7 +99,9 @@ def check_measurement(
 
     Examples
     --------
-    >>> print(robsim.teach.check_measurement(lambda: measure))
+    >>> report = robsim.teach.check_measurement(lambda: lambda step: None)
+    >>> bool(report), len(report.problems)
+    (False, 1)
     """
     if background is not None and not callable(background):
         raise TypeError(f"background must be a function of the image, got {quoted(background)}")
