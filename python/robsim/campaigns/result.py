@@ -123,6 +123,15 @@ class CampaignResult(Report):
         metrics, ``error`` and ``line`` (None for a run that did not fail), ``seconds``.
     store : Path or None
         The file that has the rows; None = in memory.
+
+    Examples
+    --------
+    >>> scenario = robsim.Scenario(area=(300, 300), start="random", measure=True)
+    >>> result = robsim.campaign(
+    ...     scenario, metrics="tracking", runs=3, steps=10, seed=1, executor=1, progress=False
+    ... )
+    >>> result["tracking_seen"]
+    array([10., 10., 10.])
     """
 
     spec: CampaignSpec

@@ -124,6 +124,14 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     exception, since a waypoint counts as reached before the robot is there: as long as the robot
     is within `waypoint_radius` of p(j), the segment p(j-1) -> p(j) counts, too; and so on backwards
     where waypoints lie close together.
+
+    Examples
+    --------
+    >>> line = [(400, 600), (800, 600)]
+    >>> sim = robsim.Simulation(measure=True, control=robsim.FollowPath(line), seed=1)
+    >>> score = robsim.score_path(sim.run(200), line)
+    >>> score.reached, score.completed_step
+    (2, 140)
     """
     check_trace(trace)
     px = trace.info.px_length
@@ -293,6 +301,15 @@ def score_pose(
     -----
     Steps without a pose do not count: neither as left nor as settled. The overshoot is the largest
     distance after the first step within the position tolerance, less that tolerance, or 0.
+
+    Examples
+    --------
+    The robot stops at the position, but with another heading:
+
+    >>> sim = robsim.Simulation(measure=True, control=robsim.GoToPoint(600, 300), seed=1)
+    >>> score = robsim.control.score_pose(sim.run(200), (600, 300, 0))
+    >>> round(score.final_distance), round(score.final_heading_error, 2), score.settled_step
+    (2, -2.12, None)
     """
     check_trace(trace)
     px = trace.info.px_length

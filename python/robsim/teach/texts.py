@@ -83,6 +83,13 @@ def fenced(text: str, most: int = MOST_TEXT) -> str:
     ------
     TypeError, ValueError
         If an argument is wrong; the message names it.
+
+    Examples
+    --------
+    >>> print(robsim.teach.fenced("a ``` b"))
+    ````text
+    a ``` b
+    ````
     """
     clean = clean_text(text, most)
     longest = max((len(run) for run in re.findall(r"`+", clean)), default=0)

@@ -58,6 +58,12 @@ class RunInfo:
     unit : str
         The unit of all lengths of the trace, and of theta_true: ``"px"``, or, as `Trace.in_unit`
         returns them, ``"mm"``, ``"cm"``, ``"m"``.
+
+    Examples
+    --------
+    >>> trace = robsim.Simulation(seed=1, area=(800, 600)).run(1)
+    >>> trace.info.area, trace.info.dt, trace.info.boundary
+    ((800, 600), 0.2, 'bounce')
     """
 
     dt: float

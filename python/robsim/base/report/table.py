@@ -30,6 +30,11 @@ def percent(fraction: float, decimals: int = 1) -> str:
         The fraction, at least 0: 1 is 100 %.
     decimals : int
         Number of decimals, if they are enough, within 0..3.
+
+    Examples
+    --------
+    >>> robsim.estimation.percent(0.123), robsim.estimation.percent(0.99999)
+    ('12.3 %', '99.999 %')
     """
     if not (isinstance(fraction, float) and fraction == math.inf):
         check_float("fraction", fraction, minimum=0)
@@ -116,6 +121,12 @@ class Quantity:
         Format of a float, or a function of the value that returns its text, such as `percent`.
     missing : str
         What people read where the value is not known.
+
+    Examples
+    --------
+    >>> quantity = robsim.estimation.Quantity("rms", "root mean square", 0.125, "V", ".2f")
+    >>> quantity.title, quantity.value, quantity.unit
+    ('root mean square', 0.125, 'V')
     """
 
     key: str

@@ -41,6 +41,13 @@ class WhitenessReport(Report):
     With the default number of lags, 4 to 7 % of white innovations of 20 to 1000 steps fail, with
     one to three components, with gaps, in one run or several; 15 to 25 % are at the limit
     (tests/statistics/RESULTS.md).
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(1).normal(size=(200, 1))
+    >>> report = robsim.estimation.whiteness(x)
+    >>> report.is_white, report.autocorrelation.shape
+    (True, (10, 1))
     """
 
     autocorrelation: Floats
@@ -163,6 +170,12 @@ def whiteness(
     Without gaps this is the statistic of Ljung and Box, On a measure of lack of fit in time series
     models, Biometrika 65(2), 1978. The number of lags follows Hyndman and Athanasopoulos,
     Forecasting: Principles and Practice, 5.4, 2021, but for a tenth in place of their fifth.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(1).normal(size=(200, 1))
+    >>> robsim.estimation.whiteness(x).verdict, robsim.estimation.whiteness(x.cumsum(0)).verdict
+    ('white', 'not white')
     """
     w = as_float_array("innovation", innovation)
     if w.ndim not in (2, 3) or not w.size:

@@ -55,6 +55,11 @@ def nees(error: ArrayLike, covariance: ArrayLike) -> Floats:
     ------
     ValueError
         If a covariance is not symmetric and positive definite, or the shapes do not fit.
+
+    Examples
+    --------
+    >>> float(robsim.estimation.nees([2, 0, 0], np.eye(3)))
+    4.0
     """
     return _squares(whitened(as_float_array("error", error), covariance, name="covariance"))
 
@@ -78,6 +83,11 @@ def nis(innovation: ArrayLike, S: ArrayLike) -> Floats:
     ------
     ValueError
         If an S is not symmetric and positive definite, or the shapes do not fit.
+
+    Examples
+    --------
+    >>> float(robsim.estimation.nis([2, 0], np.diag([4, 1])))
+    1.0
     """
     return _squares(whitened(as_float_array("innovation", innovation), S))
 
@@ -144,6 +154,13 @@ class ConsistencyReport(Report):
 
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation,
     5.4, 2001.
+
+    Examples
+    --------
+    >>> error = np.random.default_rng(1).normal(size=(50, 100, 3))
+    >>> report = robsim.estimation.nees_consistency(error, np.eye(3))
+    >>> round(float(report.mean)), report.mean_band.round(2), report.verdict
+    (3, array([2.93, 3.07]), 'consistent')
     """
 
     kind: str
@@ -412,6 +429,15 @@ def nees_consistency(
     TypeError, ValueError
         If a covariance is not symmetric positive definite, or an argument has the wrong type or
         shape.
+
+    Examples
+    --------
+    Errors that are twice as large as the filter reports:
+
+    >>> error = 2 * np.random.default_rng(1).normal(size=(50, 100, 3))
+    >>> report = robsim.estimation.nees_consistency(error, np.eye(3))
+    >>> round(float(report.mean)), report.verdict
+    (12, 'optimistic')
     """
     rows = _rows("error", error)
     return _report("NEES", nees(rows, covariance), rows.shape[-1], level)
@@ -444,6 +470,13 @@ def nis_consistency(
     ------
     TypeError, ValueError
         If an S is not symmetric positive definite, or an argument has the wrong type or shape.
+
+    Examples
+    --------
+    >>> innovation = np.random.default_rng(1).normal(size=(50, 100, 2))
+    >>> report = robsim.estimation.nis_consistency(innovation, np.eye(2))
+    >>> round(float(report.mean)), report.verdict
+    (2, 'consistent')
     """
     rows = _rows("innovation", innovation)
     white = whitened(rows, S)
@@ -477,6 +510,14 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
     TypeError, ValueError
         If the runs do not have the same steps, or if a covariance is not symmetric positive
         definite.
+
+    Examples
+    --------
+    >>> estimator = robsim.estimation.reference.ExtendedKalmanFilter()
+    >>> sim = robsim.Simulation(seed=1, measure=True, estimate_state=estimator)
+    >>> report = robsim.pose_consistency(sim.run(100))
+    >>> report.n, report.runs, report.verdict
+    (3, 1, 'conservative')
     """
     runs = as_runs(traces)
     error = np.array([wrapped_error(trace.pose_estimated, trace.pose_true) for trace in runs])

@@ -37,6 +37,11 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     ------
     TypeError, ValueError
         If the shapes do not fit together, a value is infinite, or an index is out of range.
+
+    Examples
+    --------
+    >>> robsim.estimation.wrapped_error([0, 0, 3.1], [0, 0, -3.1]).round(4)
+    array([ 0.    ,  0.    , -0.0832])
     """
     estimate, truth = as_float_array("estimate", estimate), as_float_array("truth", truth)
     for name, values in (("estimate", estimate), ("truth", truth)):
@@ -84,6 +89,12 @@ class ErrorReport(Report):
     -----
     The root mean square error of a single run is random itself. For a Kalman filter its standard
     deviation is about 10 %, that of the mean of 20 runs 2.5 %: compare filters over many runs.
+
+    Examples
+    --------
+    >>> report = robsim.estimation.estimation_errors([[1, 0, 0], [3, 0, 0]], np.zeros((2, 3)))
+    >>> report.names, report.max_error
+    (('x', 'y', 'heading'), array([3., 0., 0.]))
     """
 
     source: str
@@ -263,6 +274,12 @@ def estimation_errors(
     ------
     TypeError, ValueError
         If an argument has the wrong type, or the shapes do not fit together.
+
+    Examples
+    --------
+    >>> report = robsim.estimation.estimation_errors([[1, 0, 0], [3, 0, 0]], np.zeros((2, 3)))
+    >>> report.rmse.round(3), report.bias
+    (array([2.236, 0.   , 0.   ]), array([2., 0., 0.]))
     """
     names, units = _texts("names", names), _texts("units", units)
     check_text("source", source)
@@ -322,6 +339,13 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
         If the runs have no such poses, or no truth.
     TypeError, ValueError
         If the runs do not have the same steps, or `of` is unknown.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, measure=True, noise=robsim.GaussianNoise(20), headings=None)
+    >>> report = robsim.pose_errors(sim.run(100), of="measurement")
+    >>> report.rmse.round(3)
+    array([0.063, 0.062, 0.003])
     """
     if of not in ("estimate", "measurement"):
         raise ValueError(f"of must be 'estimate' or 'measurement', got {quoted(of)}")

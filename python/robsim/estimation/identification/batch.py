@@ -356,6 +356,13 @@ def batch_estimate(
     TypeError, ValueError
         If `trace` is not a Trace, it has too few samples, or a name is unknown; if the time
         between two steps is not a multiple of the model's dt.
+
+    Examples
+    --------
+    >>> control = robsim.control.PseudoRandomBinary()
+    >>> report = robsim.batch_estimate(robsim.Simulation(seed=1, control=control).run(200))
+    >>> report.batch[2, :2].round(3), report.n_samples
+    (array([ 1.833, -0.833]), 198)
     """
     check_trace(trace)
     # The fits are made for px.

@@ -38,6 +38,12 @@ def convergence_time(
     ------
     ValueError
         If the shapes do not fit together.
+
+    Examples
+    --------
+    >>> error = 0.5 ** np.arange(10)
+    >>> float(robsim.estimation.convergence_time(error, 0, 0.1))
+    4.0
     """
     history = np.atleast_1d(as_float_array("estimate", estimate))
     times = np.arange(len(history)) if t is None else as_float_array("t", t)
@@ -166,6 +172,13 @@ def parameter_convergence(
         If the trace has no parameter estimates, or no true parameters.
     TypeError, ValueError
         If an argument has the wrong type or is out of range.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, control=robsim.DriveAround(), estimate_parameters=True)
+    >>> report = robsim.estimation.parameter_convergence(sim.run(100))
+    >>> report.time[2, :2].round(1)
+    array([0.8, 0.8])
     """
     check_trace(trace)
     relative = check_float("tolerance", tolerance, exclusive_minimum=0.0)

@@ -248,6 +248,15 @@ def identifiability(
     -----
     This is practical identifiability: the excitation of this run, at this noise. Structural
     identifiability is the question whether any run without noise determines the parameters.
+
+    Examples
+    --------
+    A robot that turns on the spot tells nothing of how its motors drive it along x:
+
+    >>> sim = robsim.Simulation(seed=1, control=robsim.Spin(), estimate_parameters=True)
+    >>> report = robsim.identifiability(sim.run(100), sigma=(0.1, 0.1, 0.001))
+    >>> report.verdicts[0].tolist()
+    ['not excited', 'not excited', 'not excited', 'not excited', 'not excited']
     """
     check_trace(trace, "standard_errors_unscaled")
     last = int(trace.k[-1])

@@ -34,6 +34,14 @@ class Regression:
         The poses of the samples: truth, measurement or estimate.
     left_out : int
         Number of samples omitted because they span a bounce, a missing pose or lost frames.
+
+    Examples
+    --------
+    >>> trace = robsim.Simulation(seed=1, control=robsim.DriveAround()).run(100)
+    >>> samples = robsim.estimation.regression_of(trace)
+    >>> theta = np.linalg.lstsq(samples.phi[:, 2], samples.y[:, 2])[0]
+    >>> theta[:2].round(3)
+    array([ 1.833, -0.833])
     """
 
     phi: Floats
@@ -77,6 +85,13 @@ def regression_of(
     TypeError, ValueError
         If `trace` is not a Trace, or a name is unknown; if the time between two steps is not a
         multiple of the model's dt.
+
+    Examples
+    --------
+    >>> trace = robsim.Simulation(seed=1, control=robsim.DriveAround()).run(100)
+    >>> samples = robsim.estimation.regression_of(trace)
+    >>> samples.phi.shape, samples.left_out
+    ((98, 3, 5), 0)
     """
     check_trace(trace)
     source = trace.info.identify_from if identify_from is None else identify_from

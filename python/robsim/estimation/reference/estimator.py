@@ -103,6 +103,11 @@ class Prior:
     ------
     TypeError, ValueError
         If a value is not a finite number, or a standard deviation is not above 0.
+
+    Examples
+    --------
+    >>> robsim.estimation.reference.Prior(pose_sigma=(50, 50, 0.5)).P.diagonal()
+    array([2.50e+03, 2.50e+03, 2.50e-01, 2.25e+02, 2.25e+02, 9.00e-02])
     """
 
     pose: Sequence[float] = (600.0, 600.0, 0.0)
@@ -236,6 +241,14 @@ class RobotMotion:
     ------
     TypeError
         If `model` is not a RobotModel.
+
+    Examples
+    --------
+    Without an input, a robot at rest stays where it is:
+
+    >>> motion = robsim.estimation.reference.RobotMotion()
+    >>> motion.move(np.array([600.0, 600, 0, 0, 0, 0]), np.zeros(2)).round(3)
+    array([600., 600.,   0.,   0.,   0.,   0.])
     """
 
     def __init__(self, model: RobotModel | None = None) -> None:

@@ -58,6 +58,13 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     ------
     TypeError
         If `report` is not a BatchEstimate.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, control=robsim.DriveAround())
+    >>> axes = robsim.plot_batch(robsim.batch_estimate(sim.run(200)))
+    >>> [label.get_text() for label in axes.get_yticklabels()][:3]
+    ['a1X', 'a2X', 'b1X (px/V)']
     """
     check_source("report", report, BatchEstimate)
     ax = style.panel(ax, (9, 7))

@@ -55,6 +55,17 @@ def plot_campaign(
     TypeError, ValueError
         If `result` is not a CampaignResult, has no such metric or option, no run that did not fail,
         or if the labels of the option are no numbers.
+
+    Examples
+    --------
+    >>> result = robsim.campaign(
+    ...     robsim.Scenario(area=(300, 300), start="random", measure=True),
+    ...     vary={"noise": {0: None, 10: robsim.GaussianNoise(10)}},
+    ...     metrics="tracking", runs=3, steps=10, seed=1, executor=1, progress=False,
+    ... )
+    >>> axes = robsim.plotting.plot_campaign(result, "tracking_rmse_xy", over="noise")
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('noise', 'tracking_rmse_xy')
     """
     check_source("result", result, CampaignResult)
     if not result.metrics:

@@ -50,6 +50,14 @@ def plot_color_histograms(
     TypeError, ValueError
         If `color` is not a ColorClass, the histograms are not of shape (3, 256), or `axes` is not
         of shape (3,).
+
+    Examples
+    --------
+    >>> frame, red = robsim.Simulation(seed=1).step().frame, robsim.load_colors()[0]
+    >>> histograms = robsim.vision.color_histograms(frame, (0, 0, 1199, 1199))
+    >>> figure = robsim.plotting.plot_color_histograms(histograms, red)
+    >>> [axes.get_xlabel() for axes in figure.axes]
+    ['Y: brightness', 'U: more = bluer', 'V: more = redder']
     """
     check_source("color", color, ColorClass)
     heights = _normalised("histograms", histograms)

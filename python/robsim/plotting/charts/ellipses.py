@@ -63,6 +63,14 @@ def plot_ellipses(
     TypeError, ValueError
         If the trace has no estimates with a covariance, or an argument has the wrong type or is
         out of range.
+
+    Examples
+    --------
+    >>> estimator = robsim.estimation.reference.ExtendedKalmanFilter()
+    >>> sim = robsim.Simulation(seed=1, measure=True, estimate_state=estimator)
+    >>> axes = robsim.plotting.plot_ellipses(sim.run(50))
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('x (px)', 'y (px)')
     """
     check_steps(trace)
     level = check_float("level", level, exclusive_minimum=0.0)
@@ -216,6 +224,14 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     ------
     TypeError
         If `report` is not a ConsistencyReport.
+
+    Examples
+    --------
+    >>> error = np.random.default_rng(1).normal(size=(50, 100, 3))
+    >>> report = robsim.estimation.nees_consistency(error, np.eye(3))
+    >>> axes = robsim.plotting.plot_consistency(report)
+    >>> axes.get_xlabel()
+    'step k'
     """
     check_source("report", report, ConsistencyReport)
     ax = style.panel(ax, (8, 3.2))

@@ -143,6 +143,13 @@ def plot_errors(
     ------
     TypeError, ValueError
         If `report` is not an ErrorReport, or if `bound` or `axes` has the wrong shape.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, measure=True, noise=robsim.GaussianNoise(20))
+    >>> figure = robsim.plot_errors(robsim.pose_errors(sim.run(50), of="measurement"))
+    >>> len(figure.axes)
+    6
     """
     check_source("report", report, ErrorReport)
     size = len(report.names)

@@ -65,6 +65,13 @@ def plot_parameters(
     ------
     TypeError, ValueError
         If `trace` is not a Trace or has no parameter estimates, or an array has the wrong shape.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, control=robsim.DriveAround(), estimate_parameters=True)
+    >>> figure = robsim.plot_parameters(sim.run(100))
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['x: error', 'y: error', 'heading: error']
     """
     check_steps(trace)
     trace.require("parameters")

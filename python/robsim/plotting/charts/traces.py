@@ -52,6 +52,13 @@ def plot_traces(
     ------
     TypeError, ValueError
         If `trace` is not a Trace or has no steps, or one of the axes is missing.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, control=robsim.DriveAround(), measure=True)
+    >>> figure = robsim.plot_traces(sim.run(100))
+    >>> [axes.get_ylabel() for axes in figure.axes][:4]
+    ['x (px)', 'y (px)', 'y (px)', 'heading (deg)']
     """
     check_steps(trace)
     check_bool("show_blobs", show_blobs)

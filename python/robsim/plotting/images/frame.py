@@ -71,6 +71,13 @@ def plot_frame(
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape, or `k` is not a step of `trace`.
+
+    Examples
+    --------
+    >>> step = robsim.Simulation(seed=1, measure=True).step()
+    >>> axes = robsim.plot_frame(step.frame, blobs=step.blobs, measurement=step.measurement)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('x (px)', 'y (px)')
     """
     check_source("frame", frame, Frame)
     check_blobs(blobs)

@@ -82,6 +82,14 @@ def draw_overlay(
     ------
     TypeError, ValueError
         If an argument has the wrong type, or `outline` or `path` is not of shape (N, 2).
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, measure=True)
+    >>> step = sim.step()
+    >>> image = robsim.plotting.draw_overlay(step.frame, measurement=step.measurement)
+    >>> image.shape, bool((image != np.asarray(step.frame)).any())
+    ((1200, 1200, 3), True)
     """
     check_source("frame", frame, Frame)
     check_optional("measurement", measurement, Measurement)

@@ -42,6 +42,14 @@ def annotated_frames(
     ------
     TypeError
         If an argument, or one of the frames, has the wrong type.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, measure=True)
+    >>> frames = [sim.step().frame for _ in range(3)]
+    >>> images = list(robsim.plotting.annotated_frames(frames, sim.trace, simulation=sim))
+    >>> len(images), images[0].shape
+    (3, (1200, 1200, 3))
     """
     check_source("frames", frames, Iterable)
     check_source("trace", trace, Trace)
@@ -113,6 +121,13 @@ def play(
     ------
     TypeError, ValueError
         If an argument has the wrong type, or the run has no such steps.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1, control=robsim.DriveAround(), measure=True)
+    >>> trace = sim.run(10)
+    >>> robsim.play(sim, stop=5)
+    <Clip: 5 frames of 480 x 480 px, ... kB>
     """
     check_source("simulation", simulation, Simulation)
     trace = simulation.trace

@@ -42,6 +42,12 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     ------
     TypeError
         If `robot` is not a RobotDefinition.
+
+    Examples
+    --------
+    >>> axes = robsim.plotting.plot_robot(robsim.load_robot("lab"))
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('right (px of the image)', 'down (px of the image)')
     """
     check_source("robot", robot, RobotDefinition)
     ax = style.panel(ax, _figure_size(robot))

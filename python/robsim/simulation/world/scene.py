@@ -84,6 +84,12 @@ def draw_red_square(background: Pixels) -> Pixels:
     ------
     TypeError, ValueError
         If it has the wrong type or shape.
+
+    Examples
+    --------
+    >>> image = np.zeros((1200, 1200, 3), np.uint8)
+    >>> robsim.simulation.draw_red_square(image).max(axis=(0, 1))
+    array([198,  36,  40], dtype=uint8)
     """
     _check_pixels(background)
     left, top, side, color = _SQUARE

@@ -61,6 +61,12 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     -----
     UserWarning
         Once, if viewers turn a picture by its EXIF orientation. If a picture of 16 bits holds few.
+
+    Examples
+    --------
+    >>> robsim.vision.save_image("grey.png", np.full((4, 6, 3), 128, np.uint8))
+    >>> robsim.vision.load_image("grey.png")[0, 0]
+    array([128, 128, 128], dtype=uint8)
     """
     check_choice("mode", mode, ("RGB", "RGBA"))
     with open_file(as_path(path)) as file, warnings.catch_warnings():
@@ -154,6 +160,12 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
         If the file cannot be written.
     TypeError, ValueError
         If `image` has another type or shape, or the suffix names no known format.
+
+    Examples
+    --------
+    >>> robsim.vision.save_image("grey.png", np.full((4, 6, 3), 128, np.uint8))
+    >>> robsim.vision.load_image("grey.png").shape
+    (4, 6, 3)
     """
     file, file_format = image_file(path)
     pixels = check_pixels("image", image, 3)

@@ -287,6 +287,13 @@ def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, f
     ------
     ImportError, OSError, TypeError, ValueError
         As `VideoWriter`.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(seed=1)
+    >>> robsim.vision.save_video("run.mkv", (sim.step().frame for _ in range(5)), fps=5)
+    >>> sum(1 for frame in robsim.Recording("run.mkv"))
+    5
     """
     check_iterable(frames)
     with VideoWriter(path, fps=fps) as video:

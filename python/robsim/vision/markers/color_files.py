@@ -74,6 +74,11 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
         If there is no such file.
     ValueError
         If it is not TOML, or not a colour file; the message names the file and the table.
+
+    Examples
+    --------
+    >>> [color.name for color in robsim.load_colors()]
+    ['red', 'blue']
     """
     return _shipped_colors(FileVersion.of(SHIPPED_COLORS)) if path is None else _read(as_path(path))
 
@@ -115,6 +120,14 @@ def colors_to_toml(colors: ColorClass | Iterable[ColorClass]) -> str:
     -------
     str
         A TOML table for each colour.
+
+    Examples
+    --------
+    >>> print(robsim.vision.colors_to_toml(robsim.load_colors()[0]))
+    [red]
+    y = [0, 255]
+    u = [0, 150]
+    v = [154, 255]
     """
     return str(COLORS.write(_classes(colors)).as_string())
 
@@ -146,6 +159,12 @@ def save_colors(
     ValueError
         If the existing file is not a colour file (it is left unchanged), if `colors` is empty, or
         if two colours have the same name.
+
+    Examples
+    --------
+    >>> robsim.vision.save_colors("mine.toml", robsim.load_colors()[0])
+    >>> [color.name for color in robsim.load_colors("mine.toml")]
+    ['red']
     """
     path, classes, without = as_path(path), _classes(colors), _names("remove", remove)
     if not classes:

@@ -128,7 +128,13 @@ def same_name(name: str, names: dict[str, Path]) -> str | None:
 
 
 def robot_names() -> list[str]:
-    """Return the names of all robots: those that ship with robsim, then the user's."""
+    """Return the names of all robots: those that ship with robsim, then the user's.
+
+    Examples
+    --------
+    >>> "lab" in robsim.vision.robot_names()
+    True
+    """
     shipped = shipped_robots()
     return [*shipped, *(name for name in user_robots() if same_name(name, shipped) is None)]
 
@@ -153,6 +159,12 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
         If `robot` is neither a name nor a path.
     ValueError
         If there is no such robot, or its files do not define one; the message names the file.
+
+    Examples
+    --------
+    >>> robot = robsim.load_robot("lab")
+    >>> robot.name, list(robot.markers)
+    ('lab', ['right', 'left'])
     """
     if not isinstance(robot, (str, PathLike, type(None))):
         raise TypeError(f"robot must be a name or a folder, got {quoted(robot)}")

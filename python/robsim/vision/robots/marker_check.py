@@ -59,6 +59,11 @@ def check_colors(
     TypeError, ValueError
         If `robot` is not a RobotDefinition, or `colors` not a colour file or an iterable of
         ColorClass.
+
+    Examples
+    --------
+    >>> bool(robsim.vision.check_colors(robsim.load_robot("lab")))
+    True
     """
     check_kind("robot", robot, RobotDefinition)
     classes = {color.name: color for color in as_colors(colors)}

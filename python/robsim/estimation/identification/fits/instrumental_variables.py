@@ -78,6 +78,14 @@ def instrumental_variables(
     Source: Young and Jakeman, Refined instrumental variable methods of recursive time-series
     analysis, part I, Int. J. Control 29(1), 1979. The transient from the noise of a run's first two
     poses does not decay in the filter 1/A, which has a pole at 1; it is projected out.
+
+    Examples
+    --------
+    >>> noise, control = robsim.GaussianNoise(10), robsim.control.PseudoRandomBinary()
+    >>> trace = robsim.Simulation(seed=1, control=control, measure=True, noise=noise).run(300)
+    >>> fit = robsim.estimation.instrumental_variables(trace.pose_measured, trace.u)
+    >>> fit.theta[:, 0].round(1)
+    array([1.9, 1.9, 1.8])
     """
     delay = check_delay("motor_delay", motor_delay)
     record = as_record(poses, u, breaks).with_delay(delay)

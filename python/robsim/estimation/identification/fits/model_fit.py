@@ -57,6 +57,14 @@ class ModelFit(Report):
     whiteness_p_value : float
         Probability that residuals without process noise are as far from white. Below 0.05 they
         contradict the `white_noise_errors`.
+
+    Examples
+    --------
+    >>> control = robsim.control.PseudoRandomBinary()
+    >>> trace = robsim.Simulation(seed=1, control=control).run(200)
+    >>> fit = robsim.estimation.output_error(trace.pose_true, trace.u)
+    >>> fit.theta[2, :2].round(3), fit.converged
+    (array([ 1.833, -0.833]), True)
     """
 
     theta: Floats

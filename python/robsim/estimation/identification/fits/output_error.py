@@ -197,6 +197,14 @@ def output_error(
     at variances of 0: Self and Liang, Asymptotic properties of maximum likelihood estimators and
     likelihood ratio tests under nonstandard conditions, JASA 82(398), 1987. A correlation of
     neighbouring errors of the poses takes the place of process noise where it is more likely.
+
+    Examples
+    --------
+    >>> noise, control = robsim.GaussianNoise(10), robsim.control.PseudoRandomBinary()
+    >>> trace = robsim.Simulation(seed=1, control=control, measure=True, noise=noise).run(300)
+    >>> fit = robsim.estimation.output_error(trace.pose_measured, trace.u)
+    >>> fit.theta[:, 0].round(1), fit.converged
+    (array([1.9, 1.9, 1.8]), True)
     """
     delay = check_delay_or_fit(motor_delay)
     record = as_record(poses, u, breaks)
