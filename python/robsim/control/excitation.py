@@ -291,7 +291,9 @@ class Chirp(_Band):
     Examples
     --------
     >>> control = robsim.control.Chirp(duration=80)
-    >>> trace = robsim.Simulation(boundary="unlimited", control=control).run(800)
+    >>> trace = robsim.Simulation(boundary="unlimited", control=control).run(400)
+    >>> robsim.batch_estimate(trace).batch[2, :2].round(3)
+    array([ 1.833, -0.833])
     """
 
     minimum_frequency: float = 0.02

@@ -252,6 +252,8 @@ class GoToPoint(_Drive):
     --------
     >>> sim = robsim.Simulation(measure=True, control=robsim.GoToPoint(900, 300), seed=1)
     >>> trace = sim.run(200)
+    >>> trace.pose_true[-1, :2].round()
+    array([903., 298.])
     """
 
     x: float

@@ -148,6 +148,8 @@ class Simulation(WorldSlots, Runner):
     ... def control(step):
     ...     return 0.5, 0.4
     >>> trace = sim.run(100)
+    >>> len(trace), trace.u[-1], trace.pose_measured.shape
+    (100, array([0.5, 0.4]), (100, 3))
     """
 
     SLOTS = slots.names()

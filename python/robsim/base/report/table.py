@@ -121,12 +121,6 @@ class Quantity:
         Format of a float, or a function of the value that returns its text, such as `percent`.
     missing : str
         What people read where the value is not known.
-
-    Examples
-    --------
-    >>> quantity = robsim.estimation.Quantity("rms", "root mean square", 0.125, "V", ".2f")
-    >>> quantity.title, quantity.value, quantity.unit
-    ('root mean square', 0.125, 'V')
     """
 
     key: str

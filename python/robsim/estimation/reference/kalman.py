@@ -108,10 +108,14 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
 
     Examples
     --------
-    >>> import robsim.estimation.reference
-    >>> estimate_state = robsim.estimation.reference.ConstantVelocityKalmanFilter()
-    >>> sim = robsim.Simulation(measure=True, estimate_state=estimate_state, seed=1)
+    Root mean square error of the heading (rad), measured and estimated:
+
+    >>> sim = robsim.Simulation(measure=True, control=robsim.DriveAround(), seed=1)
+    >>> sim.estimate_state = robsim.estimation.reference.ConstantVelocityKalmanFilter()
     >>> trace = sim.run(100)
+    >>> kinds = "measurement", "estimate"
+    >>> [robsim.pose_errors(trace, of=one).rmse[2].round(2).item() for one in kinds]
+    [0.05, 0.04]
     """
 
     def __init__(
@@ -316,13 +320,18 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
 
     Examples
     --------
-    >>> import robsim.estimation.reference
+    Root mean square error of the heading (rad), measured and estimated:
+
     >>> noise = robsim.PoseNoise.from_sigma(0.3, 0.3, 0.01)
-    >>> sim = robsim.Simulation(measure=True, process_noise=noise, seed=1)
+    >>> control = robsim.DriveAround()
+    >>> sim = robsim.Simulation(measure=True, process_noise=noise, control=control, seed=1)
     >>> sim.estimate_state = robsim.estimation.reference.ExtendedKalmanFilter(
     ...     sim.model, process_sigma=noise.sigma
     ... )
     >>> trace = sim.run(100)
+    >>> kinds = "measurement", "estimate"
+    >>> [robsim.pose_errors(trace, of=one).rmse[2].round(2).item() for one in kinds]
+    [0.05, 0.03]
     """
 
     def __init__(
@@ -391,10 +400,14 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
 
     Examples
     --------
-    >>> import robsim.estimation.reference
-    >>> sim = robsim.Simulation(measure=True, seed=1)
+    Root mean square error of the heading (rad), measured and estimated:
+
+    >>> sim = robsim.Simulation(measure=True, control=robsim.DriveAround(), seed=1)
     >>> sim.estimate_state = robsim.estimation.reference.UnscentedKalmanFilter(sim.model)
     >>> trace = sim.run(100)
+    >>> kinds = "measurement", "estimate"
+    >>> [robsim.pose_errors(trace, of=one).rmse[2].round(2).item() for one in kinds]
+    [0.05, 0.02]
     """
 
     def __init__(

@@ -55,10 +55,14 @@ class ParticleFilter(ModelFilter):
 
     Examples
     --------
-    >>> import robsim.estimation.reference
-    >>> sim = robsim.Simulation(measure=True, seed=1)
+    Root mean square error of the heading (rad), measured and estimated:
+
+    >>> sim = robsim.Simulation(measure=True, control=robsim.DriveAround(), seed=1)
     >>> sim.estimate_state = robsim.estimation.reference.ParticleFilter(sim.model)
     >>> trace = sim.run(100)
+    >>> kinds = "measurement", "estimate"
+    >>> [robsim.pose_errors(trace, of=one).rmse[2].round(2).item() for one in kinds]
+    [0.05, 0.02]
     """
 
     particles: Floats

@@ -48,6 +48,8 @@ class CameraFaults:
     Examples
     --------
     >>> faults = robsim.lab.CameraFaults(dropped=0.05, late=0.1, unplug=(20, 3))
+    >>> faults.dropped, faults.late, faults.unplug
+    (0.05, 0.1, (20, 3))
     """
 
     late: float = 0.0

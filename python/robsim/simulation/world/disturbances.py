@@ -240,7 +240,10 @@ class ParameterMismatch:
 
     Examples
     --------
-    >>> world = robsim.ParameterMismatch(0.05).draw(robsim.RobotModel(), np.random.default_rng(1))
+    >>> model = robsim.RobotModel()
+    >>> world = robsim.ParameterMismatch(0.05).draw(model, np.random.default_rng(1))
+    >>> (world.theta[2, :4] / model.theta[2, :4]).round(3)
+    array([0.998, 0.996, 0.997, 1.054])
     """
 
     sigma: float

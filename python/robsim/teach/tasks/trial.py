@@ -291,7 +291,9 @@ def try_solution(
     Examples
     --------
     >>> park = robsim.teach.ParkTask()
-    >>> robsim.teach.try_solution(park, control=my_controller, runs=2)  # doctest: +SKIP
+    >>> make = lambda: robsim.GoToPoint(600, 300)
+    >>> robsim.teach.try_solution(park, control=make, runs=2).is_solved
+    False
     """
     check_task(task)
     if runs is None:

@@ -97,7 +97,10 @@ class GaussianNoise(_Noise):
 
     Examples
     --------
-    >>> sim = robsim.Simulation(measure=True, noise=robsim.GaussianNoise(40))
+    >>> noise = robsim.GaussianNoise(40)
+    >>> sim = robsim.Simulation(measure=True, headings=None, noise=noise, seed=1)
+    >>> robsim.pose_errors(sim.run(100), of="measurement").rmse[:2].round(2)
+    array([0.11, 0.13])
     """
 
     _kind: ClassVar[str] = "gaussian"
@@ -124,7 +127,10 @@ class UniformNoise(_Noise):
 
     Examples
     --------
-    >>> sim = robsim.Simulation(measure=True, noise=robsim.UniformNoise(40))
+    >>> noise = robsim.UniformNoise(40)
+    >>> sim = robsim.Simulation(measure=True, headings=None, noise=noise, seed=1)
+    >>> robsim.pose_errors(sim.run(100), of="measurement").rmse[:2].round(2)
+    array([0.08, 0.06])
     """
 
     _kind: ClassVar[str] = "uniform"

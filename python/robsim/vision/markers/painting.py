@@ -36,13 +36,6 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     ------
     TypeError
         If `masks` is not a dict.
-
-    Examples
-    --------
-    >>> frame = robsim.Simulation(seed=1).step().frame
-    >>> masks = robsim.vision.classify(frame, robsim.load_colors())
-    >>> robsim.vision.paint_classes(frame, masks).shape
-    (1200, 1200, 3)
     """
     if not isinstance(masks, dict):
         raise TypeError(
