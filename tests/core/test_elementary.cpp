@@ -97,7 +97,15 @@ TEST_F(Elementary, AnglesOfPointsErrByLessThanAUnitInTheLastPlace) {
   }
 }
 
+// Some C libraries compute exp and log of a long double with the precision of a double.
+void skip_unless_longer(long double value) {
+  if (value == static_cast<long double>(static_cast<double>(value)))
+    GTEST_SKIP() << "the C library computes it no more exactly than a double";
+}
+
 TEST_F(Elementary, PowersOfEErrByLessThanAUnitInTheLastPlace) {
+  skip_unless_longer(std::exp(1.0L));
+  if (IsSkipped()) return;
   const Draw ranges[] = {[](int i) { return uniform(i, -745, 709.7); },
                          [](int i) { return uniform(i, -1, 1); },
                          [](int i) { return uniform(i, -1e-9, 1e-9); }};
@@ -105,6 +113,8 @@ TEST_F(Elementary, PowersOfEErrByLessThanAUnitInTheLastPlace) {
 }
 
 TEST_F(Elementary, LogarithmsErrByLessThanAUnitInTheLastPlace) {
+  skip_unless_longer(std::log(3.0L));
+  if (IsSkipped()) return;
   const Draw ranges[] = {[](int i) { return uniform(i, 0, 2); },
                          [](int i) { return uniform(i, 0.999, 1.001); },
                          [](int i) { return std::fabs(of_any_size(i)); }};
