@@ -15,6 +15,7 @@ from PIL import Image
 
 from robsim._core import Step
 from robsim.base.checks import Floats
+from robsim.base.in_browser import check_has_threads
 from robsim.base.text import quoted
 from robsim.control.path_following import as_goals
 from robsim.estimation.identification.batch import BatchEstimate
@@ -156,6 +157,7 @@ class Panel(HostedPanel):
     def __init__(
         self, what: Shown, speed: float, goals: Floats | None = None, task: Task | None = None
     ) -> None:
+        check_has_threads("The panel")
         self._what = what
         self._view = PanelView(what, speed=speed, goals=goals, task=task)
         super().__init__()

@@ -15,6 +15,7 @@ from types import FrameType
 from typing import Any
 
 from robsim.base.checks import check_float
+from robsim.base.in_browser import check_has_threads
 
 # Interrupts a system call of the main thread; there is no such signal on Windows. By default it
 # does nothing, and hardly anybody uses it: Go wakes its threads with it for the same reasons.
@@ -45,6 +46,7 @@ class TimeLimit:
     """
 
     def __init__(self, seconds: float) -> None:
+        check_has_threads("time_limit")
         self.seconds = check_float("time_limit", seconds, "s", exclusive_minimum=0)
         self._lock = threading.Lock()
         self._deadline = math.inf

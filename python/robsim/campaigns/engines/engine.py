@@ -9,6 +9,7 @@ from contextlib import closing
 from typing import Any
 
 from robsim.base.checks import check_int, is_int
+from robsim.base.in_browser import check_has_threads
 from robsim.base.text import quoted
 from robsim.campaigns.engines.executors import (
     DaskClient,
@@ -49,7 +50,9 @@ def rows_by(
     """Yield the rows of all jobs, in the order in which they are done."""
     if engine is None:
         yield from _rows_here(work, chunks)
-    elif isinstance(engine, int):
+        return
+    check_has_threads("A campaign with an executor")
+    if isinstance(engine, int):
         with closing(Processes(work, engine)) as processes:
             yield from rows_of_workers(processes, chunks)
     elif isinstance(engine, str):

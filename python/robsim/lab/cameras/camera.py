@@ -19,6 +19,7 @@ from robsim.base.checks import (
     check_size,
     check_text,
 )
+from robsim.base.in_browser import check_has_threads
 from robsim.base.text import one_line
 from robsim.base.values import Closing
 from robsim.lab.cameras.errors import CaptureError, EndOfStream, FrameTimeoutError
@@ -197,6 +198,7 @@ class Camera(Closing):
         reopen: bool = False,
         calibration: Calibration | str | PathLike[str] | None = None,
     ) -> None:
+        check_has_threads("A camera")
         check_kind("plane_map", plane_map, PlaneMap, or_none=True)
         every = check_int("every", every, minimum=1, maximum=10_000)
         self._frame_timeout = _seconds("frame_timeout", frame_timeout)

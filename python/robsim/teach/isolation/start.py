@@ -8,6 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from robsim.base.checks import check_choice
+from robsim.base.in_browser import check_has_threads
 from robsim.base.text import quoted
 from robsim.teach.errors import GraderError
 from robsim.teach.isolation._process import WorkerProcess
@@ -43,6 +44,7 @@ def start_worker(
     that work here. ``"strict"`` does the same, but raises IsolationError if files, processes,
     network or the grader's memory stay open. Raise GraderError if no worker starts.
     """
+    check_has_threads("The sandbox of submissions")
     check_choice("isolation", isolation, LEVELS)
     module, _, function = entry.partition(":")
     if not (module and function):

@@ -18,6 +18,7 @@ from typing import Any
 from robsim._core import Frame, PlaneMap
 from robsim.base.checks import check_bool
 from robsim.base.files import as_path, naming, sync_folder
+from robsim.base.in_browser import check_has_threads
 from robsim.base.text import cut, one_line
 from robsim.base.warn import warn_user
 from robsim.trace.sessions._file import (
@@ -77,6 +78,7 @@ class SessionWriter:
         lossless: bool = False,
         waits: bool = False,
     ) -> None:
+        check_has_threads("The recording of a session")
         self.path = session_file(as_path(path))
         kind = "PNG" if check_bool("lossless", lossless) else "JPEG"
         cv2 = load_opencv("recording a session")

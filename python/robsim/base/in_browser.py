@@ -1,0 +1,14 @@
+"""Parts of robsim that Python in a browser lacks."""
+
+from __future__ import annotations
+
+import sys
+
+
+def check_has_threads(part: str) -> None:
+    """Raise NotImplementedError in a browser (Pyodide), where Python has no threads."""
+    if sys.platform == "emscripten":
+        raise NotImplementedError(
+            f"{part} needs threads, and Python in a browser has none. Runs, tracking, estimation "
+            "and figures work here; for all else install robsim on a computer."
+        )
