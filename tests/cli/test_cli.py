@@ -1,6 +1,7 @@
 """``robsim demo``, and every command of a page and of a --help."""
 
 import json
+import platform
 import shlex
 
 import numpy as np
@@ -63,6 +64,17 @@ def test_the_demo_writes_what_it_found_and_its_numbers_are_right(tmp_path):
 @pytest.mark.long
 def test_the_version():
     assert command("--version").stdout == f"robsim {robsim.__version__}\n"
+
+
+@pytest.mark.long
+def test_the_version_with_the_facts_of_a_bug_report():
+    first, *facts = command("--version", "--verbose").stdout.splitlines()
+    assert first == f"robsim {robsim.__version__}"
+    text = "\n".join(facts)
+    for fact in (platform.python_version(), robsim._core.cpu_path(), f"numpy {np.__version__}"):
+        assert fact in text
+    assert "camera" in text
+    assert "isolation of submissions: " in text
 
 
 # --- documented commands

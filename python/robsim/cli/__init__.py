@@ -73,9 +73,22 @@ def _root(
     show_version: Annotated[
         bool, typer.Option("--version", metavar="", help="Print the version and stop.")
     ] = False,
+    verbose: Annotated[
+        bool,
+        typer.Option(
+            "--verbose", metavar="", help="With --version: system, packages, cameras, isolation."
+        ),
+    ] = False,
 ) -> None:
+    if verbose and not show_version:
+        raise typer.BadParameter("--verbose needs --version: robsim --version --verbose")
     if show_version:
         errors.say(f"robsim {version('robsim')}")
+        if verbose:
+            from robsim.cli.versions import facts
+
+            for line in facts():
+                errors.say(line)
         raise typer.Exit
 
 
