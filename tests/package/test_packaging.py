@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import check_release
 import robsim
 
 # --- metadata
@@ -44,6 +45,17 @@ def test_the_actions_of_workflows_are_pinned_by_hash():
     assert used
     for line in used:
         assert re.fullmatch(r"- uses: [\w-]+/[\w-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", line), line
+
+
+def test_versions_agree_and_the_owner_has_one_file_to_fill_in():
+    assert [*check_release.faults_of_tree(rehearse=True)] == []
+    if not (ROOT / ".git").exists():
+        return
+    blanks = [*check_release.faults_of_tree(rehearse=False)]
+    assert all(blank.startswith(("pyproject.toml", "CHANGELOG.md", "the tree")) for blank in blanks)
+    for file in (*ROOT.glob("*.*"), *ROOT.glob("notebooks/site/*.md")):
+        if file.name != "pyproject.toml" and file.is_file():
+            assert "OWNER" not in file.read_text(encoding="utf-8", errors="replace"), file
 
 
 def test_pytest_finds_its_plugin():
@@ -106,4 +118,4 @@ def test_rooms_and_their_data_are_there_and_nothing_else_is_compiled():
     compiled = {
         parts[-1].partition(".")[0] for parts in files if parts[-1].endswith((".so", ".pyd"))
     }
-    assert compiled <= {"_core", "_firewire", "_gige"}
+    assert compiled <= {"_core", "_firewire", "_gige", "librobsim_core"}
