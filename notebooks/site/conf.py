@@ -26,6 +26,7 @@ extensions = [
     "sphinx_design",
     "sphinx_llms_txt",
 ]
+exclude_patterns = ["paper/*"]  # a draft for a journal
 templates_path = [str(HERE / "_templates")]  # autosummary has no other way to find them
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".ipynb": "myst-nb"}
 
