@@ -13,6 +13,7 @@ from numpydoc.numpydoc import mangle_signature
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_tools"))
 
+import formats  # noqa: E402
 import gathering  # noqa: E402
 
 project = "robsim"
@@ -30,7 +31,8 @@ exclude_patterns = ["paper/*"]  # a draft for a journal
 templates_path = [str(HERE / "_templates")]  # autosummary has no other way to find them
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".ipynb": "myst-nb"}
 
-myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "substitution"]
+myst_substitutions = formats.tables()
 myst_heading_anchors = 4
 
 nb_execution_mode = "cache"

@@ -17,3 +17,9 @@ def blocks(page, language="python"):
 
 def page(name):
     return (SITE / f"{name}.md").read_text(encoding="utf-8")
+
+
+def examples(name):
+    """Return the example files of a page by their names, which stand above them."""
+    found = re.findall(r"^`([\w./]+)`:\n\n```\w+\n(.*?)^```", page(name), re.DOTALL | re.MULTILINE)
+    return dict(found)

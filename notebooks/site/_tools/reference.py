@@ -4,6 +4,7 @@ import importlib
 import inspect
 from pathlib import Path
 
+import errors
 import typer.main
 from typer.cli import get_docs_for_click
 
@@ -26,9 +27,8 @@ def pages():
     text += table([name for name in top if name not in found])
     yield Path("reference/robsim.rst"), text.encode()
     classes = {name: value for name, value in found.items() if isinstance(value, type)}
-    errors = [name for name, value in classes.items() if issubclass(value, Exception)]
-    text = f"Errors and warnings\n===================\n\n{table(errors, has_pages=False)}"
-    yield Path("reference/errors.rst"), text.encode()
+    raised = {name: value for name, value in classes.items() if issubclass(value, Exception)}
+    yield Path("reference/errors.rst"), errors.page(raised).encode()
     yield Path("reference/commands.md"), command_line().encode()
 
 

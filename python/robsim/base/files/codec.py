@@ -133,6 +133,7 @@ class Entry:
     unit: str = ""  # the comment behind the value
     read: Read = anything  # takes the name, for messages, and the value in the file
     write: Callable[[Any], Any] = plain  # returns what TOML has
+    each: Entry | Table | None = None  # of each item
 
 
 @dataclass(frozen=True)
@@ -266,7 +267,7 @@ def named(row: Row, hint: str = "", said: str = "") -> Entry:
     def write(values: Mapping[Any, Any]) -> Any:
         return table_of({str(key): item(entry.write(one)) for key, one in values.items()}, said)
 
-    return Entry("", read, write)
+    return Entry("", read, write, each=entry)
 
 
 def listed(entry: Table) -> Entry:
@@ -280,7 +281,7 @@ def listed(entry: Table) -> Entry:
         with within(name):
             return [read_key(str(number), entry, one) for number, one in enumerate(value, 1)]
 
-    return Entry("", read)
+    return Entry("", read, each=entry)
 
 
 def kind_of(table: dict[str, Any], kinds: tuple[str, ...]) -> str:
