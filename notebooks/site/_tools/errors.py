@@ -60,8 +60,8 @@ def page(classes):
         )
         for name, kind in classes.items()
     ]
-    own = table("Errors of robsim", ("error", "is also", "when", "what to do"), rows)
-    others = table("Errors of Python", ("error", "when", "what to do"), OF_PYTHON)
+    own = table("Errors of robsim", ("error", "is also", "when", "remedy"), rows)
+    others = table("Errors of Python", ("error", "when", "remedy"), OF_PYTHON)
     return f"Errors and warnings\n===================\n\n{own}\n{others}"
 
 

@@ -27,7 +27,7 @@ from robsim.vision.robots import definition, files
 
 PAGE = Path(__file__).parents[1] / "formats.md"
 HEADING = "key", "type", "default", "meaning and unit"
-#: Meanings of keys without a docstring of their own, by file.
+#: Meanings of keys without a separate docstring, by file.
 MEANINGS = {
     "scenario.toml": {
         "format": "Version of the format",
@@ -81,10 +81,10 @@ MEANINGS = {
         "title": "Title of the assignment",
         "slots": "Slots of the submission; default: the slots of the tasks",
         "functions": "Functions of the submission for the teacher's tests",
-        "given": "Data of each step: `frames`, `blobs` or `pose`; default: by the tasks",
+        "given": "Data of each step, `frames`, `blobs` or `pose`; default: by the tasks",
         "imports": "Modules that a submission may import; default: all",
         "masked": "Names that a submission cannot use; default: by the tasks",
-        "seeds": "`student`: each student has other hidden seeds; `class`: all have the same",
+        "seeds": "Owner of the hidden seeds: each `student`, or the whole `class`",
         "isolation": "Level of the sandbox",
         "points": "Points of all tests together, also of tests in other folders",
         "limits.submission": "Time of all tests of a submission together (s)",
@@ -290,7 +290,7 @@ def flat(entry, place=""):
 
 
 def value_at(value, path):
-    """Return the value at a path of an example; of a list, or of NAME, the first one with it."""
+    """Return the value at a path of an example; the first part of a list, or of NAME, counts."""
     if isinstance(value, list) and path and isinstance(value[0], dict):
         return next((one for part in value if (one := value_at(part, path)) is not None), None)
     if not path or not isinstance(value, dict):
