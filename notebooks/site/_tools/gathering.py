@@ -11,8 +11,11 @@ SOURCES = (  # a folder, its files, and their folder in the site
     ("notebooks/site", "**/*.md", ""),
     ("notebooks", "*.ipynb", "notebooks"),
     ("", "C*.md", "project"),
+    ("", "RELEASING.md", "project"),
     ("", "SECURITY.md", "project"),
     ("python/robsim", "**/ARCHITECTURE.md", "project"),
+    ("python/robsim", "DECISIONS.md", "project"),
+    ("python/robsim", "NEW_ROOM.md", "project"),
     ("python/robsim", "**/PROTOCOL.md", "project"),
 )
 
