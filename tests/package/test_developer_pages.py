@@ -9,7 +9,10 @@ import robsim
 from prose import ROOT, blocks
 
 PAGES = ROOT / "python/robsim"
-pytestmark = pytest.mark.skipif(not PAGES.is_dir(), reason="needs the sources")
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(not PAGES.is_dir(), reason="needs the sources"),
+]
 
 
 def test_the_new_room_of_the_page_works(monkeypatch):

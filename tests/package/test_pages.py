@@ -3,6 +3,7 @@
 import contextlib
 import importlib.util
 import io
+import json
 import re
 import sys
 from dataclasses import replace
@@ -12,6 +13,7 @@ import pytest
 
 import robsim
 from bench_campaign import dask_tasks, parent, scaling
+from commands import command
 from prose import PAGES, README, ROOT, SITE, blocks
 from robsim.campaigns import CampaignSpec
 
@@ -56,6 +58,42 @@ def test_pages_show_pictures_and_pages_that_are_there():
         links = [link for link in links if "://" not in link]
         made = [link for link in links if link.startswith("reference/")]  # by ./run docs
         assert [link for link in links if not (page.parent / link).is_file()] == made
+
+
+@with_pages
+def test_check_prints_the_json_of_the_page(tmp_path):
+    (program,) = blocks(SITE / "check_json.md")
+    (shown,) = blocks(SITE / "check_json.md", "json")
+    (tmp_path / "control.py").write_text(program)
+    run = command("check", "control.py", "--json", cwd=tmp_path)
+    assert run.exit_code == 1
+    printed, shown = json.loads(run.stdout), json.loads(shown)
+    (problem,), (shown_problem,) = printed["problems"], shown["problems"]
+    assert printed.keys() == shown.keys()
+    assert (printed["verdict"], printed["callbacks"]) == (shown["verdict"], shown["callbacks"])
+    assert problem.keys() == shown_problem.keys()
+    assert {**problem, "sentence": ""} == {**shown_problem, "sentence": ""}
+    text = (SITE / "check_json.md").read_text(encoding="utf-8")
+    keys = [*printed, *(f"problems.{key}" for key in problem)]
+    assert all(f"| `{key}` |" in text for key in keys)
+
+
+@with_pages
+@pytest.mark.slow
+@pytest.mark.parametrize("library", ["filterpy", "stonesoup", "control"])
+def test_the_program_with_another_library_works(library):
+    pytest.importorskip(library)
+    first, *programs = blocks(SITE / "other_libraries.md", "{code-cell} python")
+    (program,) = (one for one in programs if f"from {library}" in one or f"import {library}" in one)
+    *lines, last = program.rstrip().splitlines()
+    names = {}
+    exec(first + "\n".join(lines), names)
+    result = eval(last, names)
+    if library == "control":
+        assert result.reached == 1
+    else:  # while the robot is hidden, the prediction of a constant velocity errs by some px
+        assert result.rmse == pytest.approx([0, 0, 0], abs=5)
+        assert result.rmse[2] < 0.1  # rad
 
 
 @pytest.fixture(scope="module")
