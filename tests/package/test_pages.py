@@ -155,7 +155,7 @@ def cells(text, begin):
 @with_pages
 def test_what_many_workers_give_follows_from_the_costs_of_the_page():
     text = (SITE / "campaigns.md").read_text(encoding="utf-8")
-    costs = [1e-6 * float(cost.removesuffix(" us")) for _, cost in cells(text, "what it costs")]
+    costs = [1e-6 * float(cost.removesuffix(" us")) for _, cost in cells(text, "cost of")]
     submit, receive, row, flying, client, scheduler = costs
     found = scaling.scaling_of(
         parent.ParentCost(submit=submit, receive=receive, row=row, flying=flying),
