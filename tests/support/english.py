@@ -1,11 +1,12 @@
 """Check the rule of English (CONTRIBUTING.md) in new prose: `python english.py [COMMIT]`.
 
-Prose is a comment, a docstring, a message or a page. A line is new if it was added since COMMIT
-and if no line with the same text was removed: a move adds nothing. Old prose follows with the next
-change of its file.
+Prose is a comment, a docstring, a message, a page or a notebook. A line is new if it was added
+since COMMIT and if no line with the same text was removed: a move adds nothing. Old prose follows
+with the next change of its file. The check reads files in WHOLE completely.
 """
 
 import io
+import json
 import re
 import subprocess
 import sys
@@ -15,7 +16,8 @@ from collections import Counter, defaultdict
 SINCE = "678fb27c95ada42d10afe5f9d286775e2f8811b1"
 LONGEST = 25  # words
 LEFT_OUT = ("tests/data", "CHANGELOG", "tests/support/english.py", "tests/package/test_english.py")
-SUFFIXES = ("py", "md", "js", "cpp", "hpp", "css")
+SUFFIXES = ("py", "md", "ipynb", "js", "cpp", "hpp", "css")
+WHOLE = r"(README|CONTRIBUTING|SECURITY)\.md|notebooks/"
 CLAUSE = r"(a|an|the|it|they|is|was|are|were|has|have|must|may|can|comes|belongs|needs|makes|lies)"
 FORBIDDEN = {  # what must not stand there: what to write
     r"\b(whoever|whichever|whatever|nobody|somebody|anybody else)\b": "a named component",
@@ -89,6 +91,14 @@ def new_lines(since):
 
 def prose(file, text):
     """Yield each line of prose with its number; code in it is left out."""
+    if file.endswith(".ipynb"):
+        cells = r'"cell_type": "(\w+)".*?"source": \[\n(.*?)\n *\]'
+        for cell in re.finditer(cells, text, re.DOTALL):
+            before = text.count("\n", 0, cell.start(2))
+            source = "".join(json.loads(f"[{cell[2]}]"))
+            for number, line in prose({"markdown": ".md", "code": ".py"}[cell[1]], source):
+                yield before + number, line
+        return
     if file.endswith(".py"):
         kinds = {tokenize.COMMENT, tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", None)}
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
@@ -100,7 +110,7 @@ def prose(file, text):
     fenced = False
     for number, line in enumerate(text.splitlines(), 1):
         if file.endswith(".md"):
-            fenced ^= line.startswith("```")
+            fenced ^= line.startswith("```") or line.count("$$") == 1
             if not fenced:
                 end = "." if "|" in line else ""
                 yield from ((number, cell.strip(" #*-") + end) for cell in line.split("|"))
@@ -115,7 +125,7 @@ def faults(file, text, new):
     """Yield the number of each new line that breaks the rule, and why."""
     words, start = 0, 0
     for number, line in prose(file, text):
-        line = re.sub(r"`[^`]*`|\([^)]*\)|https?:\S+", "X", line)
+        line = re.sub(r"`[^`]*`|\$[^$]+\$|\([^)]*\)|https?:\S+", "X", line)
         if number in new:
             for pattern, remedy in FORBIDDEN.items():
                 if found := re.search(pattern, line, re.IGNORECASE):
@@ -137,7 +147,9 @@ def main(since):
         print("english: left out, the clone is shallow")
         return False
     found = False
-    for file, new in sorted(new_lines(since).items()):
+    lines = new_lines(since)
+    lines |= {file: range(10**9) for file in git("ls-files").splitlines() if re.match(WHOLE, file)}
+    for file, new in sorted(lines.items()):
         if file.endswith(SUFFIXES) and not file.startswith(LEFT_OUT):
             with open(file, encoding="utf-8") as opened:
                 for number, fault in faults(file, opened.read(), new):
