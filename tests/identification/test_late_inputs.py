@@ -133,8 +133,11 @@ def test_the_standard_error_of_the_delay_is_honest(delay):
 
 @pytest.mark.kernels
 @pytest.mark.long
-def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
-    trace = late_run(delay=1.7, boundary="bounce", steps=250)
+@pytest.mark.parametrize(
+    ("options", "departure"), [({}, "none"), ({"evaluate_model": robsim.Unicycle()}, "mismatch")]
+)
+def test_a_batch_estimate_estimates_the_delay_from_measured_poses(options, departure):
+    trace = late_run(delay=1.7, boundary="bounce", steps=250, **options)
     groups = {name: getattr(trace, name) for name in ("pose_true", "u", "bounced")}
     seen = Trace(groups | {"pose_measured": measured(trace)}, trace.info)
     found = robsim.batch_estimate(
@@ -142,6 +145,10 @@ def test_a_batch_estimate_estimates_the_delay_from_measured_poses():
     )
     assert abs(found.motor_delay - 1.7) < 4 * found.motor_delay_error < 0.2
     assert found.to_dict()["motor_delay"] == found.motor_delay
+    # The model errs by as much as the delay is wrong: that is no departure of the robot.
+    assert (found.model_error > 0).all()
+    assert found.departure == departure
+    assert ("does not move as its model says" in str(found)) == (departure == "mismatch")
 
 
 @pytest.mark.kernels

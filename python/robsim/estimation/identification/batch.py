@@ -43,6 +43,8 @@ from robsim.trace.units import scaled
 
 _MINIMUM_SAMPLES = 5
 _ROUNDING = 1e-6  # px and rad
+_UNSEEN = 0.1  # standard errors: a smaller move of the estimates does not matter.
+_WIDEST = 4.0  # standard errors of a fitted delay, around its true value.
 # A model without mismatch has a smaller p-value in one of 1000 runs.
 _OTHER_MODEL = 1e-3 / 3
 _AXES = ("X", "Y", "P")
@@ -118,8 +120,7 @@ class BatchEstimate(Report):
         Whether the method converged; if not, `batch` is the result of its last iteration.
     model_error : array (3,)
         Root mean square one-step prediction error of `theta_true` on the true path (x, y in `unit`,
-        heading in rad). If it is not 0, the robot does not move as its model says; `departure` says
-        why.
+        heading in rad). `departure` says why it is not 0.
     motor_delay, motor_delay_error : float
         How late the inputs act (steps), and the standard error if it was estimated, otherwise 0.
     whiteness_p_value : float
@@ -136,7 +137,9 @@ class BatchEstimate(Report):
         least squares.
     departure : str
         How the robot departs from its model, as the trace knows: ``"none"``, ``"process noise"``,
-        ``"mismatch"``: the parameters or the equations are others, or ``"unknown"``.
+        ``"mismatch"``: the parameters or the equations are others, or ``"unknown"``. It is
+        ``"none"``, too, where a fitted delay explains `model_error`, or where that moves `batch` by
+        less than a tenth of its standard errors.
     unit : str
         The unit of lengths: that of the trace.
     px_length : float
@@ -190,9 +193,8 @@ class BatchEstimate(Report):
 
     @property
     def is_model_exact(self) -> bool:
-        """Whether the robot moved exactly as its model says."""
-        lengths = np.array((self.px_length, self.px_length, 1.0))
-        return bool((self.model_error <= _ROUNDING * lengths).all())
+        """Whether the robot moved as its model says, as far as the estimate can tell."""
+        return self.departure == "none" or not self.model_error.any()
 
     @property
     def knows_truth(self) -> bool:
@@ -392,7 +394,7 @@ def batch_estimate(
         if method == "least_squares" and delay is not None
         else _fitted(trace, found, start, stop, select, method, delay)
     )
-    model_error, departure = _departure(trace, fit["motor_delay"])
+    model_error, departure = _departure(trace, fit)
     report = BatchEstimate(
         theta_true=np.array(trace.info.theta_true),
         online=np.array(trace.parameters[-1]),
@@ -508,15 +510,20 @@ def _least_squares_errors(found: Regression, fit: ModelFit) -> Floats:
     return np.array(errors)
 
 
-def _departure(trace: Trace, motor_delay: float) -> tuple[Floats, str]:
+def _departure(trace: Trace, fit: _Fit) -> tuple[Floats, str]:
     """Return the rms one-step errors of the model (3,), and how the robot departs from it."""
-    found = regression_of(trace, identify_from="truth", motor_delay=motor_delay)
+    found = regression_of(trace, identify_from="truth", motor_delay=fit["motor_delay"])
     n, theta = len(found.k), np.array(trace.info.theta_true)
     if not n or np.isnan(theta).any():
         return np.zeros(3), "unknown"
     errors = found.y - np.sum(found.phi * theta, axis=2)
     rmse: Floats = np.sqrt(np.mean(np.square(errors), axis=0))
-    if (rmse <= _ROUNDING).all():
+    # Errors m move the estimates by at most sqrt(n) m / e standard errors, with residuals e.
+    unseen = _UNSEEN * fit["residual_rms"] / math.sqrt(n)
+    # By a delay that is wrong by d, the inputs are wrong by d of their change in a step.
+    change = np.diff(np.sum(found.phi[:, :, 2:4] * theta[:, 2:4], axis=2), axis=0)
+    late = _WIDEST * fit["motor_delay_error"] * np.sqrt(np.square(change).sum(axis=0) / n)
+    if (rmse <= np.maximum(_ROUNDING, np.maximum(unseen, late))).all():
         return rmse, "none"
     if n <= _MINIMUM_SAMPLES:
         return rmse, "mismatch"
