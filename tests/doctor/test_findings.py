@@ -12,11 +12,11 @@ from robsim.teach.grading.calling import judged
 from robsim.teach.grading.task import Task
 from robsim.teach.submissions import Rules, SubmissionFiles
 from robsim.teach.submissions.files import FOLDER
-from robsim.teach.submissions.imports import not_here
+from robsim.teach.submissions.imports import NotHereError
 from robsim.teach.tasks.solutions import MODULE, module_source
 from sizes import thorough
 
-NOT_HERE = str(not_here(""))
+NOT_HERE = str(NotHereError(""))
 SLOW = "more than the budget"  # which a busy machine may cause
 
 

@@ -2,6 +2,7 @@
 
 import json
 import textwrap
+import zipfile
 
 import pytest
 
@@ -240,6 +241,16 @@ def test_no_name_that_is_masked_is_suggested(tmp_path, call):
     for report, is_suggested in ((alone, True), (for_task, False)):
         assert ("'locate'" in str(report)) == is_suggested
         assert ("'locate'" in str(report.checks["measure"])) == is_suggested
+
+
+@pytest.mark.parametrize("words", ["check", "check --task park", "tasks try park"])
+def test_a_zip_is_refused_with_what_to_do(tmp_path, words):
+    path = tmp_path / "hw.zip"
+    with zipfile.ZipFile(path, "w") as packed:
+        packed.writestr("control.py", "def control(step): return 0, 0")
+    run = command(*words.split(), str(path))
+    assert run.exit_code == 2
+    assert f"{path} is a zip: unpack it, and name the folder" in run.stderr
 
 
 def test_a_notebook_has_the_values_of_the_task_beside_it(tmp_path):

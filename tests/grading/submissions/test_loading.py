@@ -261,7 +261,7 @@ def test_what_is_masked_cannot_be_had(tmp_path):
         "__import__('robsim.estimation.reference')",
     ):
         error = failure(write(tmp_path / "s001", control=f"{line}\n{PLAIN}"), MASKED)
-        assert "ImportError: robsim.estimation.reference is not there" in str(error)
+        assert "NotHereError: robsim.estimation.reference is not there" in str(error)
         assert error.line == 1 + line.count("\n")
         late = f"def control(step):\n    {line.replace(chr(10), chr(10) + '    ')}\n"
         files = sent(write(tmp_path / "s002", control=late), MASKED)

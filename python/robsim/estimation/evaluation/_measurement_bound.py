@@ -67,7 +67,6 @@ class MarkerView:
         covered: Floats = ndtr(depth / width)
         return covered
 
-    @functools.lru_cache(maxsize=1)  # noqa: B019 - the width is mostly the same
     def changes(self, width: float) -> Floats:
         """Return the derivatives of the coverages by pose and ln w (N, 4)."""
         # One step moves the marker by about _STEP px of the frame.
@@ -85,26 +84,26 @@ class MarkerView:
             changes[:, i] = (ahead - behind) / (2 * step)
         return changes
 
-    @functools.lru_cache(maxsize=1)  # noqa: B019
     def coverage(self, width: float) -> Floats:
         """Return 1 and the coverage of each pixel (N, 2)."""
         covered = self._covered(np.zeros(3), width)
         return np.column_stack((np.ones_like(covered), covered))
 
-    def levels(self, width: float) -> Floats:
+    def levels(self, coverage: Floats) -> Floats:
         """Return level and contrast of each channel (2, 3), by least squares."""
-        return np.asarray(np.linalg.lstsq(self.coverage(width), self.values, rcond=None)[0])
+        return np.asarray(np.linalg.lstsq(coverage, self.values, rcond=None)[0])
 
     def misfit(self, width: float) -> float:
         """Return the sum of the squared residuals."""
-        residuals = self.values - self.coverage(width) @ self.levels(width)
+        coverage = self.coverage(width)
+        residuals = self.values - coverage @ self.levels(coverage)
         return float(np.square(residuals).sum())
 
-    def channels(self, width: float) -> Iterator[tuple[Floats, Floats, float]]:
+    def channels(self, width: float, coverage: Floats) -> Iterator[tuple[Floats, Floats, float]]:
         """Yield mean (N,), its derivatives by pose and ln w (N, 4), and contrast of a channel."""
-        for level, contrast in self.levels(width).T:
-            mean = level + contrast * self.coverage(width)[:, 1]
-            yield mean, contrast * self.changes(width), float(contrast)
+        changes = self.changes(width)
+        for level, contrast in self.levels(coverage).T:
+            yield level + contrast * coverage[:, 1], contrast * changes, float(contrast)
 
 
 def _has_corners(polygon: Floats) -> bool:
@@ -365,9 +364,10 @@ class SeenMarkers:
         information_at, width = pixel_information(noise), self._width
         information, strength = np.zeros((4, 4)), 0.0
         for view in self._views:
-            for mean, change, contrast in view.channels(width):
+            coverage = view.coverage(width)
+            for mean, change, contrast in view.channels(width, coverage):
                 weight = information_at(mean)
-                information += _without_levels(change, view.coverage(width), weight)
+                information += _without_levels(change, coverage, weight)
                 # SNR^2 = sum J (contrast phi(q))^2
                 strength += float(weight @ (contrast * density(view.depth / width)) ** 2)
         if strength < _NOTHING:

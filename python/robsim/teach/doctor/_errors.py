@@ -12,7 +12,10 @@ from robsim.base.spelling import with_article
 from robsim.simulation.callbacks.missing_data import comes_of_none, names_in
 from robsim.simulation.callbacks.signatures import accepts, where_defined
 from robsim.teach.doctor._trial import TIME_LIMIT, BadResult, EstimatorUnderTest, Trial
+from robsim.teach.submissions.imports import NotHereError
 
+#: The kind of problem that a masked name is.
+NOT_HERE = "not here"
 _READ_ONLY = "read-only"  # numpy has no type for it
 _NO_SAMPLE = "step.sample is None at the start, after a bounce and where the robot is not seen"
 _NEVER_SEEN = "step.measurement is None before the robot is seen for the first time"
@@ -23,7 +26,7 @@ def problem_of(trial: Trial) -> Problem:
     assert trial.error is not None
     kind, sentence = explained(trial.error)
     missing = _missing(trial)
-    if missing is not None and kind != "too slow":
+    if missing is not None and kind not in ("too slow", NOT_HERE):
         kind, reason = missing
         sentence = f"{reason}: then {sentence}"
     elif kind == "exception":
@@ -35,7 +38,7 @@ def problem_of_make(estimator: EstimatorUnderTest, error: BaseException) -> Prob
     kind, sentence = explained(error)
     if not accepts(estimator.make, 0):
         kind, sentence = "make fails", _not_a_maker(estimator)
-    elif not isinstance(error, BadResult):
+    elif not isinstance(error, (BadResult, NotHereError)):
         kind, sentence = "make fails", f"make() returns no {estimator.slot.noun}: {sentence}"
     return Problem(kind=kind, sentence=sentence, line=line_of_error(error) or estimator.line)
 
@@ -54,6 +57,8 @@ def explained(error: BaseException) -> tuple[str, str]:
     text = str(error)
     if isinstance(error, BadResult):
         return error.kind, text
+    if isinstance(error, NotHereError):
+        return NOT_HERE, text
     if isinstance(error, TimeoutError):
         return "too slow", f"a call takes longer than {TIME_LIMIT:g} s, or never ends"
     if isinstance(error, ValueError) and _READ_ONLY in text:

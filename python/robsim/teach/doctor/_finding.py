@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from robsim.simulation.slots import ROBOT, names
+from robsim.teach.doctor._errors import NOT_HERE
 from robsim.teach.doctor.callbacks.folder import Surroundings, check_slot
-from robsim.teach.submissions.imports import not_here
 
 
 def first_finding(
@@ -22,7 +22,7 @@ def first_finding(
         if slot in names(half=ROBOT) and callable(make().get(slot)):
             problems = check_slot(slot, make, around.setting).problems
             first = next(iter(around.with_allowed(problems)), None)
-            if first is not None and str(not_here("")) not in first.sentence:  # which its runs tell
+            if first is not None and first.kind != NOT_HERE:  # its runs tell that
                 places = [text for text in (first.where, first.code) if text]
                 return "\n".join([f"{slot}: {first.sentence}", *places])
     return ""

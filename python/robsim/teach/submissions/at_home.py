@@ -10,6 +10,7 @@ from os import PathLike
 from typing import Any
 
 from robsim.base.files import as_path
+from robsim.base.text import one_line
 from robsim.simulation.callback_folder import imported_names
 from robsim.simulation.slots import SLOTS
 from robsim.teach.errors import SubmissionError
@@ -25,8 +26,14 @@ _CELLS, _GIVEN = "robsim_cells", "task.py"
 
 
 def is_notebook(path: str | PathLike[str], slots: Iterable[str]) -> bool:
-    """Return whether the grader takes a notebook: a file, or a folder without files of slots."""
+    """Return whether the grader takes a notebook: a file, or a folder without files of slots.
+
+    Raise ValueError for a zip.
+    """
     file = as_path(path)
+    if file.is_file() and file.suffix.lower() == ".zip":
+        name = one_line(file)
+        raise ValueError(f"{name} is a zip: unpack it, and name the folder or the notebook in it")
     if not file.is_dir():
         return file.suffix.lower() == ".ipynb"
     names = {one.name for one in file.iterdir()}

@@ -28,7 +28,7 @@ class _Masked(MetaPathFinder):
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         if mask := _above(name, self._masked):
-            raise not_here(mask)
+            raise NotHereError(mask)
         return None
 
 
@@ -36,8 +36,11 @@ def _above(name: str, masked: Sequence[str]) -> str | None:
     return next((mask for mask in masked if f"{name}.".startswith(f"{mask}.")), None)
 
 
-def not_here(mask: str) -> ImportError:
-    return ImportError(f"{mask} is not there for this assignment: do without it", name=mask)
+class NotHereError(ImportError):
+    """A submission uses a masked module or name."""
+
+    def __init__(self, mask: str) -> None:
+        super().__init__(f"{mask} is not there for this assignment: do without it", name=mask)
 
 
 class _Absent:
@@ -47,10 +50,10 @@ class _Absent:
         object.__setattr__(self, "_mask", mask)
 
     def __call__(self, *args: object, **options: object) -> NoReturn:
-        raise not_here(object.__getattribute__(self, "_mask"))
+        raise NotHereError(object.__getattribute__(self, "_mask"))
 
     def __getattribute__(self, name: str) -> NoReturn:
-        raise not_here(object.__getattribute__(self, "_mask"))
+        raise NotHereError(object.__getattribute__(self, "_mask"))
 
 
 @contextmanager
@@ -169,10 +172,10 @@ def builtins_for(rules: Rules, own: Sequence[str], taken: Mapping[int, str]) -> 
         if not level:
             for whole in (name, *(f"{name}.{inner}" for inner in fromlist or ())):
                 if mask := _above(whole, rules.masked):
-                    raise not_here(mask)
+                    raise NotHereError(mask)
                 is_private = whole.startswith("robsim.") and "._" in whole
                 if taken and is_private and not whole.endswith("__"):
-                    raise not_here(whole)
+                    raise NotHereError(whole)
             top = name.partition(".")[0]
             if allowed is not None and top not in allowed:
                 may = ", ".join(sorted(rules.imports or ())) or "nothing"
@@ -182,12 +185,12 @@ def builtins_for(rules: Rules, own: Sequence[str], taken: Mapping[int, str]) -> 
         module = plain_import(name, globals, locals, fromlist, level)
         for inner in fromlist or ():
             if mask := taken.get(id(vars(module).get(inner))):
-                raise not_here(mask)
+                raise NotHereError(mask)
         for whole in (name,) if not fromlist else [f"{name}.{inner}" for inner in fromlist]:
             room = sys.modules.get(whole) if whole.startswith("robsim.") else None
             for value in () if room is None else tuple(vars(room).values()):
                 if mask := taken.get(id(value)):
-                    raise not_here(mask)
+                    raise NotHereError(mask)
         return module
 
     return {**vars(builtins), "__import__": checked_import}
