@@ -1,6 +1,6 @@
-"""The options with which pytest grades a submission, and the fixture `submission`.
+"""Options for grading a submission with pytest, and the fixture `submission`.
 
-Each run of pytest on a machine loads this module; it loads robsim where it is asked for.
+Each run of pytest on a machine loads this module; it imports robsim only for grading.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 _GRADING = "robsim-grading"
 _MARKER = (
-    "robsim_submission(slots, imports, masked, frames, limits): what a submission may fill, have "
-    "and take, as for robsim.teach.Submission"
+    "robsim_submission(slots, imports, masked, frames, limits): the slots, imports, masked names, "
+    "frames and limits of a submission, as for robsim.teach.Submission"
 )
 
 
@@ -25,40 +25,40 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--robsim-submission",
         metavar="PATH",
-        help="What the fixture submission gives: a folder, a Python file, a notebook or a zip of "
-        "these. It is run in processes that are shut in. Write it with '='.",
+        help="The submission for the fixture: a folder, a Python file, a notebook or a zip of "
+        "these. It runs in sandboxed processes. Write the option with '='.",
     )
     group.addoption(
         "--robsim-slots",
         metavar="NAMES",
-        help="The slots that it may fill, with commas between, for tests without the marker "
-        "robsim_submission.",
+        help="The slots that the submission may fill, separated by commas, for tests without the "
+        "marker robsim_submission.",
     )
     group.addoption(
         "--robsim-isolation",
         metavar="LEVEL",
         choices=("auto", "none", "process", "strict"),
         default="auto",
-        help="auto: all that works on this machine; strict: end with status 3 unless files, "
-        "processes, network and the grader's memory are closed to it; process: limits alone; none: "
-        "a process, and nothing else. Default: auto.",
+        help="auto = every isolation that works on this machine. strict = end with status 3 unless "
+        "files, processes, network and the grader's memory are isolated. process = limits only. "
+        "none = a separate process only. Default: auto.",
     )
     group.addoption(
         "--robsim-key",
         metavar="FILE",
-        help="The key that the seeds of runs come from, written by robsim.teach.Key.new().write. "
-        "Default: seeds that nobody knows, and that do not come again.",
+        help="The key for the seeds of runs, written by robsim.teach.Key.new().write. "
+        "Default: secret seeds that never repeat.",
     )
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the marker known."""
+    """Register the marker."""
     config.addinivalue_line("markers", _MARKER)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
-    """Begin to grade, before any conftest.py is run: none may be the submission's."""
+    """Start grading before any conftest.py runs, because a submission may contain one."""
     _leave_as_it_is(early_config)
     if early_config.known_args_namespace.robsim_submission is not None:
         from robsim.teach.grading.pytest_plugin import Grading
@@ -67,9 +67,9 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
 
 
 def _leave_as_it_is(config: pytest.Config) -> None:
-    """Keep pytest from compiling robsim anew, for the asserts in it, as it has a plugin.
+    """Keep pytest from rewriting robsim's asserts, as pytest does for packages with a plugin.
 
-    `import robsim` takes three times as long then. There is no public way to say so.
+    Rewriting triples the time of `import robsim`; pytest has no public way to prevent it.
     """
     hook = getattr(config.pluginmanager, "rewrite_hook", None)
     getattr(hook, "_must_rewrite", set()).discard("robsim")
@@ -77,11 +77,11 @@ def _leave_as_it_is(config: pytest.Config) -> None:
 
 @pytest.fixture
 def submission(request: pytest.FixtureRequest) -> Submission:
-    """Return the submission that is graded, a `robsim.teach.Submission`."""
+    """Return the graded submission, a `robsim.teach.Submission`."""
     plugin = request.config.pluginmanager.get_plugin(_GRADING)
     if plugin is None:
         pytest.fail(
-            "which submission? python -m pytest --robsim-submission=PATH TESTS.py", pytrace=False
+            "no submission; run python -m pytest --robsim-submission=PATH TESTS.py", pytrace=False
         )
     given: Submission = plugin.submission_for(request.node)
     return given

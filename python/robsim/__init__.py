@@ -1,6 +1,6 @@
-"""Camera-based control of mobile robots, simulated: render, detect, measure, identify, show.
+"""Camera-based control of mobile robots, simulated: render, detect, measure, identify, plot.
 
-What is used first is here. The rest is one step down, in wings: `robsim.vision`, `trace`,
+The most used names are here. The rest is one level down, in wings: `robsim.vision`, `trace`,
 `control`, `estimation`, `simulation`, `campaigns`, `plotting`; `robsim.lab` for real cameras and
 motors, `robsim.teach` for tasks, checks and grading, `robsim.gui` for the panel.
 """
@@ -66,8 +66,7 @@ if _TYPE_CHECKING:
     from robsim.vision import load_robot as load_robot
     from robsim.vision import locate as locate
 
-#: Everything is loaded when it is asked for, so that `import robsim` takes no time: the wings, and
-#: the names of each that are here, too.
+#: Wings, and the names taken from each wing, load on first use, so that `import robsim` is fast.
 _WINGS = {
     "vision": "ColorClass Frame GaussianNoise Measurement Recording UniformNoise find_blobs "
     "load_colors load_robot locate",
@@ -106,7 +105,7 @@ _loading = _RLock()
 
 
 def _begin_anew() -> None:
-    """Have a lock that nobody holds, in a process forked while another thread had it."""
+    """Create an unlocked lock in a forked process, because another thread may have held the old."""
     global _loading
     _loading = _RLock()
 

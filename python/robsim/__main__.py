@@ -6,7 +6,7 @@ import sys
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C while it is loaded ends it in a word, without a traceback."""
+    """Run the command line; Ctrl-C during loading ends it with a short message, no traceback."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # it was closed, or there is no console
             setattr(sys, name, io.StringIO())

@@ -148,7 +148,7 @@ def test_it_is_off_unless_asked_for(class_room):
     run = graded(class_room, "test_others.py")
     assert "1 passed" in run.stdout, run.stdout
     run = graded(class_room, "grade.py", "-k", "test_begins")
-    assert "which submission? python -m pytest --robsim-submission=PATH" in run.stdout
+    assert "no submission; run python -m pytest --robsim-submission=PATH" in run.stdout
     assert "1 error" in run.stdout
 
 

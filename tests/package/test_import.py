@@ -25,7 +25,7 @@ def ended(folder, *arguments, before=None):
 def test_a_file_that_hides_a_module_is_named(tmp_path, name, words):
     (tmp_path / f"{name}.py").write_text("x = 1\n")
     _, said = ended(tmp_path, *words.split("|"))
-    assert f"{name}.py stands in for the module {name}, which robsim needs: rename" in said[-1]
+    assert f"{name}.py hides the module {name}, which robsim needs: rename" in said[-1]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a folder in use stays there")

@@ -1,4 +1,4 @@
-"""The report of a check: what is wrong, where, and how to fix it; every `check_*` returns it."""
+"""The report of a check: each problem, its place and its remedy; every `check_*` returns one."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ class CheckReport(Report):
     Attributes
     ----------
     name : str
-        What was checked.
+        The subject of the check.
     problems : tuple of Problem
-        What is wrong, the cause first; mere consequences of it are left out.
+        The problems, the cause first; mere consequences are left out.
     remarks : tuple of str
-        Observations that are not problems.
+        Other observations.
     tables : tuple of Table
-        Numbers to go with them.
+        Numbers for the problems and remarks.
     """
 
     name: str
@@ -32,7 +32,7 @@ class CheckReport(Report):
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether the check found no problem."""
         return not self.problems
 
     def __bool__(self) -> bool:
@@ -45,7 +45,7 @@ class CheckReport(Report):
 
     @property
     def title(self) -> str:
-        """What was checked."""
+        """The subject of the check."""
         return f"Check of {self.name}"
 
     @property
@@ -62,7 +62,7 @@ class CheckReport(Report):
         return f"{self.name} failed {count} check{'s' if count > 1 else ''}"
 
     def raise_for_problems(self) -> CheckReport:
-        """Return the report if there are no problems; for use in tests.
+        """Return the report if there are no problems; use it in tests.
 
         Raises
         ------

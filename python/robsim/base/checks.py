@@ -61,11 +61,11 @@ def check_kind(name: str, value: Any, kind: type, *, or_none: bool = False) -> A
 
 
 def check_heading(name: str, heading: float) -> None:
-    """Raise ValueError if the heading of a pose is beyond -2 pi..2 pi, as those in degrees are."""
+    """Raise ValueError if a pose's heading is beyond -2 pi..2 pi, as headings in degrees are."""
     if abs(heading) > 2 * math.pi:
         raise ValueError(
-            f"{name} must have a heading in rad, within -2 pi..2 pi, got {heading:g}: if that is "
-            f"in degrees, it is {math.radians(heading):.4g} rad, numpy.radians({heading:g})"
+            f"{name} must have a heading in rad, within -2 pi..2 pi, got {heading:g}; degrees need "
+            f"conversion: {math.radians(heading):.4g} rad = numpy.radians({heading:g})"
         )
 
 
@@ -138,16 +138,16 @@ def check_name(argument: str, name: Any) -> str:
 
 
 def check_words(argument: str, name: Any) -> str:
-    """Return the name of a colour, which a file and a shell read as nothing else.
+    """Return a colour name that files and shells read unchanged.
 
-    Raises TypeError or ValueError for any but 1 to 40 letters, digits, spaces, - and _, the first
-    a letter or a digit.
+    Raises TypeError or ValueError unless the name has 1 to 40 letters, digits, spaces, - and _. The
+    first must be a letter or a digit.
     """
     text = check_text(argument, name)
     if not is_plain(text, "-_ "):
         raise ValueError(
-            f"{argument} must be 1 to {LONGEST_NAME} letters, digits, spaces, - and _, the first a "
-            f"letter or a digit, got {quoted(text)}"
+            f"{argument} must be 1 to {LONGEST_NAME} letters, digits, spaces, - and _, starting "
+            f"with a letter or a digit, got {quoted(text)}"
         )
     return text
 
@@ -172,7 +172,7 @@ def check_choice(name: str, value: Any, choices: tuple[_Text, ...]) -> _Text:
 
 
 def check_mm_per_px(value: Any, name: str = "mm_per_px") -> float:
-    """Return how long a px of the work area is on the floor (mm)."""
+    """Return the length of a px of the work area on the floor (mm)."""
     return check_float(name, value, "mm", minimum=1e-3, maximum=1e4)
 
 

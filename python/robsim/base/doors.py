@@ -1,4 +1,4 @@
-"""The doors of wings: public names, loaded when asked for, that say where they are public."""
+"""The doors of wings: public names, loaded on first use, which name their public module."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robsim.base.spelling import no_attribute
 
 
 class _Wing(ModuleType):
-    """A wing with several rooms: Python binds each of them to it when it has been loaded."""
+    """A wing with several rooms: Python binds each room to the wing after loading."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
@@ -26,8 +26,8 @@ def late_names(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a wing with the public names of its rooms.
 
-    The rooms are in the order in which they import one another. Names of rooms `apart` are in these
-    alone, as some users lack their packages.
+    The rooms are in the order in which they import one another. A room in `apart` is the only home
+    of its names, as some users lack its packages.
     """
     sys.modules[wing].__class__ = _Wing
     namespace = sys.modules[wing].__dict__
@@ -61,7 +61,7 @@ def late_names(
 
 
 class _Room(ModuleType):
-    """A module that says where a public name is that it lacks."""
+    """A module that suggests the home of a public name it lacks."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -70,13 +70,13 @@ class _Room(ModuleType):
 
 
 def not_here(module: str, name: str, known: Iterable[str]) -> AttributeError:
-    """Return the error for a name that a module lacks, with its place, or the name meant."""
+    """Return the error for a missing name, with the name's home or the closest known name."""
     robsim = sys.modules["robsim"]
     message = f"module {module!r} has no attribute {name!r}"
     for wing in ("robsim", *sorted({*robsim._WINGS} - {"plotting"})):  # which takes time
         home = robsim if wing == "robsim" else getattr(robsim, wing)
         if home.__name__ != module and name in home.__all__:
-            return no_attribute(f"{message}: it is {home.__name__}.{name}")
+            return no_attribute(f"{message}: use {home.__name__}.{name}")
     return no_attribute(message, name, known)
 
 

@@ -1,4 +1,4 @@
-"""Files of users that stand in for modules which robsim needs, such as ``numpy.py``."""
+"""Users' files that hide modules which robsim needs, such as ``numpy.py``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _USED = ("copy", "csv", "json", "tomllib")  # long after their import, which fin
 
 
 def check_modules(error: Exception | None = None) -> None:
-    """Raise ImportError for a file that stands in for a module, and has led to the error."""
+    """Raise ImportError for a user's file that hides a module and so caused the error."""
     said = ""
     if error is not None:
         import traceback  # such a file, too
@@ -21,5 +21,5 @@ def check_modules(error: Exception | None = None) -> None:
         is_of_user = os.path.dirname(file) in (*sys.path[:1], os.path.abspath(os.curdir))
         if file and is_of_user and (not said or file in said or f"'{name}'" in said):
             raise ImportError(
-                f"{file} stands in for the module {name}, which robsim needs: rename your file"
+                f"{file} hides the module {name}, which robsim needs: rename your file"
             ) from error

@@ -13,7 +13,7 @@ from robsim.base.text import quoted
 
 @dataclass(frozen=True, repr=False)
 class SeedRecord:
-    """A seed that is not a plain int, as a value: what a `numpy.random.SeedSequence` is made of."""
+    """A seed other than a plain int, as a value: the content of a `numpy.random.SeedSequence`."""
 
     entropy: int | tuple[int, ...]
     spawn_key: tuple[int, ...] = ()
@@ -48,7 +48,7 @@ _ROBOTS = 2**16  # the spawn key under which robots 1, 2, ... have theirs: of no
 def seed_sequence(seed: Seed) -> np.random.SeedSequence:
     """Return the seed of a run; a Generator draws one, and None = entropy of the operating system.
 
-    A number that is negative or huge, or another type, raises ValueError or TypeError.
+    A negative or huge number, or another type, raises ValueError or TypeError.
     """
     if isinstance(seed, np.random.SeedSequence):
         return seed
@@ -65,7 +65,7 @@ def seed_sequence(seed: Seed) -> np.random.SeedSequence:
 
 
 def seed_value(seed: Seed) -> int | SeedRecord | None:
-    """Return a seed as data: an int where that says it all, or a record; None stays None."""
+    """Return a seed as data: an int if sufficient, or a record; None stays None."""
     if type(seed) is int:
         _check("seed", (seed,))
     if seed is None or type(seed) is int:
@@ -98,7 +98,7 @@ def stream_number(seed: np.random.SeedSequence, name: str, robot: int = 0) -> in
 def random_bits(seed: int | np.random.SeedSequence) -> Iterator[int]:
     """Yield numbers of 64 random bits; ``(bits >> 11) * 2.0**-53`` is uniform in [0, 1).
 
-    Every numpy gives the same bits for a seed; the methods of a Generator may change (NEP 19).
+    All numpy versions give the same bits for a seed; a Generator's methods may change (NEP 19).
     """
     source = np.random.PCG64(seed)
     while True:

@@ -12,9 +12,9 @@ _LONGEST = 100  # characters; no name is longer, and the search takes their squa
 
 
 def closest(name: str, known: Iterable[str], *, cutoff: float = 0.6) -> str | None:
-    """Return the known name that `name` resembles most, or None if it resembles none.
+    """Return the known name that `name` resembles most, or None if `name` resembles no name.
 
-    Case, underscores, hyphens and spaces do not count. At a `cutoff` of 1 only the same name fits.
+    Case, underscores, hyphens and spaces do not count. With a `cutoff` of 1 only equal names fit.
     """
     if len(name) > _LONGEST:
         return None
@@ -32,7 +32,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 def no_attribute(message: str, name: str = "", known: Iterable[str] = ()) -> AttributeError:
     """Return an AttributeError whose message suggests the known name closest to `name`.
 
-    It has no name: Python, from 3.12 on, would add a suggestion of its own.
+    The error's `name` is not set: Python, from 3.12 on, would add a second suggestion.
     """
     return AttributeError(message + suggestion(name, known), obj=None)
 
@@ -45,7 +45,7 @@ def check_names(
     for name in given:
         if name not in known:
             meant, there = closest(name, known), ", ".join(known) or "none"
-            hint = f"did you mean {meant!r}?" if meant else f"there are {there}"
+            hint = f"did you mean {meant!r}?" if meant else f"known: {there}"
             raise error(f"{what} {quoted(name)}: {hint}")
 
 

@@ -25,12 +25,12 @@ _HARMFUL = frozenset({"Cc", "Cs", "Co", "Zl", "Zp"})
 
 
 def printable(text: object) -> str:
-    """Return a text with its control characters written as escapes; line breaks and tabs stay."""
+    """Return a text with its control characters as escapes; line breaks and tabs stay."""
     return _escaped(str(text), kept="\n\t")
 
 
 def one_line(text: object) -> str:
-    """Return a text with its control characters and line breaks written as escapes."""
+    """Return a text with its control characters and line breaks as escapes."""
     return _escaped(str(text), kept="")
 
 
@@ -48,7 +48,7 @@ def _is_harmful(character: str) -> bool:
 
 
 def quoted(value: Any) -> str:
-    """Return what a message says of a value that came: its repr, cut to 60 characters."""
+    """Return a value's repr for a message, cut to 60 characters."""
     try:
         text = one_line(_repr.repr(value))
     except ValueError:  # Python writes no int of thousands of digits
@@ -60,13 +60,13 @@ def quoted(value: Any) -> str:
 
 
 def cut(text: object) -> str:
-    """Return a text in one line, cut to 200 characters: what a message says of another message."""
+    """Return a text for a message: in one line, cut to 200 characters."""
     line = one_line(text)
     return line if len(line) <= _LONGEST_MESSAGE else f"{line[: _LONGEST_MESSAGE - 4]} ..."
 
 
 def said_by(error: BaseException) -> str:
-    """Return kind and first line of an exception, cut; its class may be a user's, and refuse."""
+    """Return type and first line of an exception, cut; repr of a user's class may fail."""
     kind, message = "an exception", ""
     with suppress(BaseException):
         kind = str(type(error).__name__)
@@ -83,15 +83,15 @@ def listed(names: Iterable[str]) -> str:
 
 
 def is_plain(text: str) -> bool:
-    """Return whether a text has nothing in it that a spreadsheet may take for the end of a cell."""
+    """Return whether a text contains no sign that a spreadsheet may take for the end of a cell."""
     return re.fullmatch(r"[\w .()/^-]*", text) is not None
 
 
 def as_cell(text: str) -> str:
-    """Return a text as a cell of a table in a file, where no program takes it for a formula."""
+    """Return a text as a cell of a table in a file, which no program takes for a formula."""
     return f"'{text}" if re.match(r"'*\s*[=+\-@\uff0b\uff0d\uff1d\uff20]|[\t\r\n]", text) else text
 
 
 def no_formula(text: object) -> str:
-    """Return a text as matplotlib draws it as it stands: a dollar sign begins no formula."""
+    """Return a text for matplotlib to draw unchanged: a dollar sign starts no formula."""
     return one_line(text).replace("$", r"\$")

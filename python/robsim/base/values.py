@@ -17,7 +17,7 @@ from robsim.base.closing import Closing as Closing
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """Return a C-contiguous copy of an array that nobody can make writable."""
+    """Return a C-contiguous copy of an array, permanently read-only."""
     return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)
 
 
@@ -36,7 +36,7 @@ def runs_of(mask: Any) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True, eq=False)
 class Value:
-    """A dataclass with arrays: equal by its content, with a hash, and never changed."""
+    """A dataclass with arrays: equal by its content, with a hash, and immutable."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, type(self)):
@@ -62,7 +62,7 @@ class Value:
 
     @cached_property
     def _content(self) -> tuple[object, ...]:
-        """All that it says, without its arrays."""
+        """The fields' text, without arrays."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(digest(one) if isinstance(one, np.ndarray) else one for one in values)
 
@@ -78,7 +78,7 @@ class Level(NamedTuple):
 
 
 class FileVersion(NamedTuple):
-    """A file and what differs when it has changed: a key for what was read from it."""
+    """A file's path, times and size, which differ after a change: a key for its content."""
 
     path: str
     mtime_ns: int
@@ -87,14 +87,14 @@ class FileVersion(NamedTuple):
 
     @classmethod
     def of(cls, path: str | PathLike[str]) -> FileVersion:
-        """Return the present version; raise FileNotFoundError if there is no such file."""
+        """Return the present version; raise FileNotFoundError if the file does not exist."""
         status = stat(path)
         return cls(fspath(path), status.st_mtime_ns, status.st_size, status.st_ino)
 
 
 def packed_arrays(arrays: Mapping[str, NDArray[Any]], *, compress: bool = True) -> bytes:
     """Return arrays as the bytes of a file that `numpy.load` reads."""
-    import zipfile  # which nobody waits for who writes no arrays
+    import zipfile  # slow to import, and rarely needed
 
     compression = zipfile.ZIP_DEFLATED if compress else zipfile.ZIP_STORED
     content = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Warnings that point at the user's line."""
+"""Warnings that show the user's line."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import warnings
 
 
 def warn_user(warning: str | Warning) -> None:
-    """Warn, in the name of the line that called robsim."""
+    """Warn at the user's line that called robsim."""
     level, caller = 1, sys._getframe()
     while caller.f_back and _is_of_robsim(caller.f_globals.get("__name__", "")):
         level, caller = level + 1, caller.f_back

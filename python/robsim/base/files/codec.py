@@ -1,4 +1,4 @@
-"""One codec of TOML files: tables whose keys are described once, to be read and to be written."""
+"""One codec of TOML files: each key of a table is described once, for reading and writing."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def load_table(
 
 
 def _line_of(text: str, path: tuple[str, ...]) -> int:
-    """Return the line of a key, or of the table next above it that has one; 0 = none has."""
+    """Return the line of a key, or of the closest table above it with a line; 0 = no line."""
     found, depth = 0, 0
     table: tuple[str, ...] = ()
     counts: dict[tuple[str, ...], int] = {}
@@ -287,7 +287,7 @@ def listed(entry: Table) -> Entry:
 def kind_of(table: dict[str, Any], kinds: tuple[str, ...]) -> str:
     """Take the key ``kind`` out of a table; where there is one kind alone, it may be missing."""
     if "kind" not in table and len(kinds) > 1:
-        raise ValueError(f"kind is missing, one of {', '.join(map(repr, kinds))}")
+        raise ValueError(f"kind is missing; expected one of {', '.join(map(repr, kinds))}")
     return check_choice("kind", table.pop("kind", kinds[0]), kinds)
 
 
@@ -350,6 +350,6 @@ def check_format(table: Mapping[str, Any], expected: int) -> None:
     given = table.get("format")
     if type(given) is not int or given != expected:
         raise WrongTable(
-            f"format must be {expected}, got {in_words(given)}: the file is of another robsim, or "
-            "of another kind"
+            f"format must be {expected}, got {in_words(given)}: the file is from another robsim "
+            "version or of another kind"
         )

@@ -31,7 +31,7 @@ def as_folder(folder: str | PathLike[str]) -> Path:
 
 
 def as_path(path: str | PathLike[str], name: str = "path") -> Path:
-    """Return the argument `name` as a Path; raise TypeError or ValueError if it is none."""
+    """Return the argument `name` as a Path; else raise TypeError or ValueError."""
     if not isinstance(path, (str, PathLike)):
         raise TypeError(f"{name} must be a path, got {quoted(path)}")
     found = Path(path)
@@ -41,7 +41,7 @@ def as_path(path: str | PathLike[str], name: str = "path") -> Path:
 
 
 def read_text(path: Path, most: int = MOST_TOML) -> str:
-    """Return the text of a file of at most so many bytes; else raise a ValueError that names it."""
+    """Return a file's text of at most so many bytes; else raise a ValueError with its name."""
     content = content_of(path, most + 1)
     if len(content) > most:
         raise ValueError(f"{one_line(path)} must have at most {_size(most)}")
@@ -75,7 +75,7 @@ def parse_toml(text: str, most: int = MOST_TOML) -> dict[str, Any]:
 
 
 def parse_json(text: str, most: int = _MOST_SIGNS) -> Any:
-    """Parse a JSON text of at most `most` values and keys; a ValueError says why it cannot be."""
+    """Parse a JSON text of at most `most` values and keys; else raise ValueError."""
     if sum(map(text.count, "[{,:")) > most:
         raise ValueError(f"it has more than {most} keys and values")
     _check_numbers(text)
@@ -94,7 +94,7 @@ def _check_numbers(text: str) -> None:
 
 
 def content_of(path: Path, size: int = -1) -> bytes:
-    """Return the first `size` bytes of a file, all by default; FileNotFoundError suggests one."""
+    """Return the first `size` bytes of a file, default all; FileNotFoundError suggests a name."""
     try:
         with open_file(path) as file:
             return file.read(size)
@@ -108,7 +108,7 @@ def content_of(path: Path, size: int = -1) -> bytes:
 
 
 def open_file(path: Path) -> BinaryIO:
-    """Open a file to be read; ValueError: a pipe or device, which may never end."""
+    """Open a file for reading; raise ValueError for a pipe or device, which may never end."""
     return open(path, "rb", opener=regular)
 
 

@@ -1,4 +1,4 @@
-"""Writing files: through links, to the disk, never half of one, and never over a user's own."""
+"""Writing files: whole, through links, to the disk, and never over a user's own file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from robsim.base.text import as_cell, is_plain, listed, one_line
 
 
 def write_whole(file: Path, content: bytes) -> None:
-    """Write a file: readers get the old or the new content, never a part, whatever happens.
+    """Write a file: readers get the complete old or new content, even after a crash.
 
     Links are followed, and an old file's mode and owner are kept; another hard link keeps the old
     content. A device or pipe is written into. An OSError has the user's name of the file.
@@ -54,9 +54,10 @@ def hidden_path(folder: Path, suffix: str = "") -> Path:
 
 
 class PartialFile:
-    """A hidden file that is written, by its `path` or `descriptor`, and then takes a file's place.
+    """A hidden file, written by its `path` or `descriptor`, that then replaces a file.
 
-    See `write_whole`; the suffix is for writers that go by it. A killed process leaves it behind.
+    See `write_whole`; the suffix is for writers that depend on it. A killed process leaves the
+    file.
     """
 
     def __init__(self, file: Path, *, suffix: str = "") -> None:
@@ -92,7 +93,7 @@ class PartialFile:
             sync_folder(self._target.parent)
 
     def discard(self) -> None:
-        """Remove the hidden file, if it has not got its name."""
+        """Remove the hidden file, unless it has been renamed."""
         self._drop()
 
     def _keep_mode(self) -> None:
@@ -105,7 +106,7 @@ class PartialFile:
 
 
 def _rename_new(path: Path, target: Path) -> None:
-    """Rename a file, unless there is one of the new name."""
+    """Rename a file, unless the new name exists."""
     try:
         os.link(path, target)
     except FileExistsError:
@@ -128,7 +129,7 @@ def _drop(path: Path, opened: list[int], process: int) -> None:
 
 
 def _status(file: Path) -> os.stat_result | None:
-    """Return the status of a file that can be written, None if there is none."""
+    """Return the status of a writable file, None if there is no file."""
     try:
         status = os.stat(file)
     except FileNotFoundError:
@@ -169,7 +170,7 @@ def sync_folder(folder: Path) -> None:
 
 @contextmanager
 def naming(file: str | PathLike[str]) -> Iterator[None]:
-    """Let an OSError inside the context name a file: that of a full disk names none."""
+    """Add a file's name to an OSError inside the context; a full disk reports no name."""
     try:
         yield
     except OSError as error:
@@ -179,18 +180,18 @@ def naming(file: str | PathLike[str]) -> Iterator[None]:
 
 
 def copy_files(files: Iterable[Path], folder: str | PathLike[str]) -> list[Path]:
-    """Copy files into a folder: all of them, or none if one of them exists there."""
+    """Copy files into a folder: all of them, or no file if one exists there."""
     return write_new_files({file.name: file.read_bytes() for file in files}, folder)
 
 
 def write_new_files(contents: Mapping[str, bytes], folder: str | PathLike[str]) -> list[Path]:
-    """Write files, by their names, into a folder: all, or none if one of them exists there.
+    """Write files, by their names, into a folder: all, or no file if one exists there.
 
     FileExistsError: a file exists. NotADirectoryError: `folder` is a file.
     """
     folder = as_folder(folder)
     if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{one_line(folder)} is a file, not a folder: give another name")
+        raise NotADirectoryError(f"{one_line(folder)} is a file, not a folder: use another name")
     files = {folder / name: content for name, content in contents.items()}
     existing = [file.name for file in files if os.path.lexists(file)]
     if existing:

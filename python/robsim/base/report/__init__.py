@@ -1,4 +1,4 @@
-"""One kind of result: numbers with a title, tables, remarks and a verdict, in all their forms."""
+"""One kind of result: numbers with a title, tables, remarks and a verdict, in all formats."""
 
 from robsim.base.report.problem import Problem
 from robsim.base.report.report import Report

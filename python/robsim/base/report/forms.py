@@ -40,7 +40,7 @@ def as_dict(report: Report) -> dict[str, Any]:
 
 
 def _units(report: Report) -> dict[str, Any]:
-    """Return the units of quantities and columns that have one; rows have theirs beside them."""
+    """Return the units of quantities and columns that have one; rows carry their own units."""
     units: dict[str, Any] = {one.key: one.unit for one in report.quantities if one.unit}
     for table in report.tables:
         if columns := {column.key: column.unit for column in table.columns if column.unit}:
@@ -62,7 +62,7 @@ def as_frame(report: Report) -> pandas.DataFrame:
 
 
 def _rows(report: Report) -> tuple[str, list[tuple[Any, dict[str, Any]]]]:
-    """Return what the rows are, and their labels and values."""
+    """Return the kind of the rows, their labels and their values."""
     if report.tables:
         return report.tables[0].row_title, list(report.tables[0].records())
     if report.problems is not None:

@@ -1,4 +1,4 @@
-"""Packages that robsim can do without, imported where they are needed."""
+"""Optional packages, imported on use."""
 
 from __future__ import annotations
 

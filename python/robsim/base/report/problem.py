@@ -1,4 +1,4 @@
-"""Something that a check found wrong, and where."""
+"""A problem found by a check, and its place."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from robsim.base.source_line import SourceLine
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """Something that a check found wrong.
+    """A problem found by a check.
 
     Attributes
     ----------
     kind : str
         Short identifier for programs, such as ``"covariance not symmetric"``.
     sentence : str
-        What is wrong and how to fix it, for people.
+        The problem and its remedy, for people.
     situation : str
-        What the robot was doing; empty if it does not matter.
+        The robot's situation; empty if it does not matter.
     k : int or None
         The first step at which it occurred; None = not tied to a step.
     line : SourceLine or None
-        The line that failed, or that the problem is about, or else the definition of the faulty
+        The line that failed or that the problem concerns, or else the definition of the faulty
         function; None = unknown.
     """
 
@@ -46,7 +46,7 @@ class Problem:
         return self.line.text if self.line else ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return name -> value, the line as two texts: where it is, and what it says."""
+        """Return name -> value, with the line as two texts: its place and its source."""
         return {
             "kind": self.kind,
             "sentence": self.sentence,

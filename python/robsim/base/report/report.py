@@ -1,4 +1,4 @@
-"""What every result is: numbers that describe themselves, and thereby have all forms."""
+"""The base of every result: numbers that describe themselves, so that all formats follow."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ _PARTS = ("title", "verdict", "at_limit", "quantities", "tables", "problems", "r
 
 
 class Report(ABC):
-    """A result: a dataclass of numbers which says what they are.
+    """A result: a dataclass of numbers with their titles and units.
 
     A subclass has the properties `title` and, as far as they apply, `verdict`, `at_limit`,
-    `quantities`, `tables` and `remarks`. From these come the short line at a prompt, the text that
-    ``print`` shows, the table in a notebook, `to_dict`, `to_json` and `to_pandas`.
+    `quantities`, `tables` and `remarks`. They define the short line at a prompt, the text of
+    ``print``, the table in a notebook, `to_dict`, `to_json` and `to_pandas`.
 
     Examples
     --------
-    A metric of one's own::
+    A custom metric::
 
         @dataclass(frozen=True, kw_only=True)
         class Effort(Report):
@@ -60,26 +60,26 @@ class Report(ABC):
                 f"{cls.__name__}.{name} must be a property, or a field with a default: Report has "
                 "a property of that name"
             )
-        # A dataclass makes a repr of all its arrays, unless the class has one of its own.
+        # A dataclass makes a repr of all its arrays, unless the class defines another one.
         if "__repr__" not in vars(cls):
             cls.__repr__ = Report.__repr__  # type: ignore[method-assign]
 
     @property
     @abstractmethod
     def title(self) -> str:
-        """What the report is about, in one line."""
+        """The subject of the report, in one line."""
 
     @property
     def verdict(self) -> str | None:
-        """The judgement in a word or two; None = there is none."""
+        """The judgement in a word or two; None = no judgement."""
         return None
 
     @property
     def at_limit(self) -> bool | None:
-        """Whether the verdict is on the edge; None = it is not a matter of chance.
+        """Whether the verdict is on the edge; None = chance plays no part.
 
-        On the edge: it would be another one if what it was judged by were better or worse by one
-        standard deviation, so that other seeds may get another verdict.
+        On the edge: an input better or worse by one standard deviation would change the verdict.
+        Other seeds may then give another verdict.
         """
         return None
 
@@ -95,12 +95,12 @@ class Report(ABC):
 
     @property
     def problems(self) -> Sequence[Problem] | None:
-        """What is wrong; None = the report is not that of a check."""
+        """The problems found; None = the report is not from a check."""
         return None
 
     @property
     def remarks(self) -> Sequence[str]:
-        """What else a reader must know, a sentence each."""
+        """Further remarks for the reader, a sentence each."""
         return ()
 
     @property
@@ -127,8 +127,9 @@ class Report(ABC):
     def to_dict(self) -> dict[str, Any]:
         """Return title, verdict, at_limit, quantities, tables, remarks, as plain values by name.
 
-        A table is row -> column -> value; ``"units"`` has the units of quantities and columns, and
-        a row its own. None = not known, or not finite. Angles are in rad, unless that says deg.
+        A table is row -> column -> value. ``"units"`` has the units of quantities and columns; a
+        row has its own. None = not known, or not finite. Angles are in rad, unless ``"units"`` says
+        deg.
         """
         return as_dict(self)
 
@@ -138,7 +139,7 @@ class Report(ABC):
         Parameters
         ----------
         indent : int, optional
-            Number of spaces that a level is indented by; None = all in one line.
+            Number of spaces per level of indentation; None = all in one line.
         """
         import json
 
@@ -147,7 +148,7 @@ class Report(ABC):
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the table as a data frame, or the quantities where there is no table.
+        """Return the table as a data frame, or the quantities if there is no table.
 
         Its ``attrs`` have the title and the verdict; angles are in rad.
 

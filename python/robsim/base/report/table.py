@@ -1,4 +1,4 @@
-"""The numbers of a report: what they are called, their units, and how people read them."""
+"""Numbers with titles, units and formats: single ones, and tables."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from robsim.base.text import quoted
 
 #: A format specification such as ``".4g"``, or a function of the value that returns its text.
 Format = str | Callable[[Any], str]
-# What people read in place of a unit, and how many of it are one.
+# The displayed unit, and its factor.
 _READ = {"rad": ("deg", math.degrees(1.0))}
 
 
 def percent(fraction: float, decimals: int = 1) -> str:
     """Return a fraction as a text such as ``"75.0 %"``.
 
-    Only nothing is 0 %, and only all is 100 %: what is nearly so gets more decimals.
+    Only 0 is shown as 0 %, and only 1 as 100 %: values close to them get more decimals.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ def interval(limits: Any) -> str:
 
 
 def shown_unit(unit: str) -> str:
-    """Return the unit that people read: degrees in place of rad."""
+    """Return the displayed unit: degrees instead of rad."""
     return _READ[unit][0] if unit in _READ else unit
 
 
 def shown(value: Any, unit: str, format_: Format, missing: str) -> str:
-    """Return a value in `shown_unit` as people read it; `missing` for None and NaN."""
+    """Return a value in `shown_unit` as displayed; `missing` for None and NaN."""
     if value is None or (isinstance(value, (float, np.floating)) and math.isnan(value)):
         return missing
     if unit in _READ:
@@ -120,7 +120,7 @@ class Quantity:
     format : str or callable
         Format of a float, or a function of the value that returns its text, such as `percent`.
     missing : str
-        What people read where the value is not known.
+        The displayed text if the value is not known.
     """
 
     key: str
@@ -135,7 +135,7 @@ class Quantity:
 
     @property
     def title_with_unit(self) -> str:
-        """The title with the unit that is shown."""
+        """The title with the displayed unit."""
         return _headed(self.title, self.unit)
 
     @property
@@ -145,7 +145,7 @@ class Quantity:
 
     @property
     def text(self) -> str:
-        """The value as people read it."""
+        """The displayed value."""
         return shown(self.value, self.unit, self.format, self.missing)
 
 
@@ -156,9 +156,9 @@ class Column:
     Parameters
     ----------
     key, title, format, missing
-        As those of a `Quantity`.
+        As for a `Quantity`.
     unit : str or None
-        Unit of its values; "" = they are plain numbers, None = each row has its own.
+        Unit of its values; "" = plain numbers, None = each row has its own.
     """
 
     key: str
@@ -178,7 +178,7 @@ class Row:
     Parameters
     ----------
     title : str
-        Its name, in programs, too.
+        Its name, also in programs.
     values : sequence
         A value for each column; None or NaN = not known.
     unit : str
@@ -206,13 +206,13 @@ class Table:
     key : str
         Its name in programs.
     columns : sequence of Column
-        What the columns are.
+        The columns.
     rows : sequence of Row
         The numbers.
     row_title : str
-        What a row is about, such as ``"parameter"``.
+        The subject of a row, such as ``"parameter"``.
     group : int
-        Number of rows that belong together, between two rules; 0 = no rules.
+        Number of rows in a group, between two rules; 0 = no rules.
     """
 
     key: str
@@ -230,12 +230,12 @@ class Table:
 
     @property
     def column_titles(self) -> list[str]:
-        """The titles of the columns with their units, that of the rows first."""
+        """The titles of the columns with their units, the row title first."""
         titles = (_headed(column.title, column.unit or "") for column in self.columns)
         return [self.row_title, *titles]
 
     def texts(self) -> Iterator[list[str]]:
-        """Yield the rows as people read them, the title with its unit first."""
+        """Yield the rows as displayed, the title with its unit first."""
         for row in self.rows:
             cells = []
             for column, value in zip(self.columns, row.values, strict=True):
@@ -245,14 +245,14 @@ class Table:
 
     @property
     def alignments(self) -> list[str]:
-        """How the columns are aligned, that of the titles first: texts left, numbers right."""
+        """The alignment of the columns, the row titles first: texts left, numbers right."""
         values = zip(*(row.values for row in self.rows), strict=True)
         are_texts = [all(isinstance(value, (str, list)) for value in column) for column in values]
         return ["left", *("left" if is_text else "right" for is_text in are_texts)]
 
     @property
     def has_units(self) -> bool:
-        """Whether the rows have units of their own."""
+        """Whether each row has a separate unit."""
         return any(row.unit for row in self.rows)
 
     def records(self) -> Iterator[tuple[str, dict[str, Any]]]:
