@@ -14,7 +14,7 @@ import typer
 from robsim.cli import errors
 from robsim.cli.command import Group, Later
 
-#: Each command, the module that has it, and what it does.
+#: Each command, with its module and summary.
 _COMMANDS = {
     "demo": ("simulated.demo", "Drive a robot, track it by camera and estimate its parameters."),
     "new": ("simulated.new", "Write the default callbacks to a folder, as templates to edit."),
@@ -28,8 +28,8 @@ _COMMANDS = {
         "Open the panel in the browser: camera view, controls, traces, callbacks.",
         "simulated.start",
     ),
-    "replay": ("replay", "Run a shared run of the panel again, to the bit."),
-    "check": ("check", "Check your callbacks: what is wrong, in which situation and line."),
+    "replay": ("replay", "Rerun a shared run of the panel, bit by bit."),
+    "check": ("check", "Check your callbacks: report each problem with its situation and line."),
     "grade": ("grade", "Grade submissions by an assignment."),
     "track": ("track", "Track the robot in a video file or a folder of images."),
     "sessions": (
@@ -40,10 +40,10 @@ _COMMANDS = {
     "live": ("lab.live", "Drive a robot under a real camera, with the callbacks of a folder."),
     "notebooks": ("notebooks", "Copy the notebooks for students into a folder."),
     "bench": ("simulated.bench", "Measure how fast robsim is on this machine."),
-    "assignment": ("assignment", "Make an assignment for a course, that robsim grade grades by."),
+    "assignment": ("assignment", "Make an assignment for a course, for robsim grade."),
     "calibrate": (
         "calibration.app",
-        "Calibrate a camera: its lens, and where it looks at the floor from.",
+        "Calibrate a camera: its lens, and its pose above the floor.",
     ),
     "tasks": ("tasks", "Tasks to solve: their sheets, and the scores of a solution."),
     "robots": ("robots", "Show, add and choose robots."),

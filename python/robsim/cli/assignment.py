@@ -19,7 +19,7 @@ Folder = Annotated[Path, "FOLDER: The assignment, as robsim assignment new makes
 
 @contextmanager
 def report_errors() -> Iterator[None]:
-    """Print an error as a sentence, and exit with 2; those of an assignment, too."""
+    """Print an error, also of an assignment, as a sentence, and exit with 2."""
     from robsim.teach.errors import GradingError
 
     try:
@@ -36,18 +36,18 @@ def calibrate(
     provisional: bool = False,
     jobs: AllJobs = None,
 ) -> None:
-    """Find from which score on there are points, and write limits.json.
+    """Find the score limits for points, and write limits.json.
 
-    The right solutions in solutions/ are run until their limits are known: an equally good solution
-    hardly ever misses these, for any distribution of the scores. Then the wrong ones are run, to
-    print in how many tests each has less than full points. It takes some minutes. Ctrl-C loses
-    nothing: the same command continues. Then robsim grade --regrade marks by the new limits what
-    was graded by provisional ones.
+    The correct solutions in solutions/ are run until their limits are known: an equally good
+    solution hardly ever misses these, for any distribution of the scores. Then the wrong ones are
+    run. The output shows in how many tests each gets less than full points.
+    Calibration takes some minutes. After Ctrl-C, the same command continues. Then robsim grade
+    --regrade applies the new limits to results with provisional limits.
 
-    --false-fail SHARE: How often a right solution may have less than full points in a test, at
-        most. A tenth of it takes ten times as long.
-    --confidence SHARE: In how many calibrations of 1 that is kept.
-    --provisional: Make provisional limits in a minute or two, from fewer tests.
+    --false-fail SHARE: Largest probability that a correct solution gets less than full points in a
+        test. A tenth of it takes ten times as long.
+    --confidence SHARE: Share of calibrations that keep this probability.
+    --provisional: Find provisional limits in a minute or two, from fewer tests.
 
     Example: robsim assignment calibrate hw1
     """
@@ -57,7 +57,7 @@ def calibrate(
 
 
 def calibrate_and_print(folder: Path, *, jobs: int | None, **options: Any) -> None:
-    """Calibrate, and say beforehand how long it takes, afterwards what came of it."""
+    """Calibrate, and print the expected duration before and the results afterwards."""
     from robsim.teach.assignments import calibrate_assignment
 
     try:
@@ -74,13 +74,13 @@ def calibrate_and_print(folder: Path, *, jobs: int | None, **options: Any) -> No
         for one in calibration.missed:
             errors.print_note(
                 f"warning: wrong/{one.name} gets full points in {100 * (1 - one.rate):.0f} % of "
-                "the tests: give the task more runs or steps, or take the solution out"
+                "the tests: give the task more runs or steps, or remove the solution"
             )
     errors.say(f"written to {folder / 'limits.json'}")
 
 
 def _tell_how_long(seconds: float, goes_on: bool) -> None:
-    begin = "what was done is kept; all of it takes" if goes_on else "calibrating takes"
+    begin = "finished runs are kept; all runs take" if goes_on else "calibrating takes"
     duration = f"{max(seconds, 1):.0f} s" if seconds < 90 else f"{seconds / 60:.0f} minutes"
     errors.print_note(f"{begin} about {duration}; Ctrl-C keeps finished runs")
     sys.stderr.flush()
@@ -99,18 +99,18 @@ def new(
     TEMPLATE is park, follow, identify, measure, estimate, or a notebook such as 02_park.
 
     For a task the folder gets its own key and numbers, a sheet, solutions and provisional limits.
-    At once these are the limits of the task that ships with robsim, after a minute or two its own.
-    All commands work with provisional limits, and name them. robsim assignment calibrate makes
-    exact ones. README.md describes the files.
+    First these are the limits of the shipped task, after a minute or two the folder's own.
+    All commands work with provisional limits, and report them. robsim assignment calibrate finds
+    exact limits. README.md describes the files.
 
     For a notebook the folder gets a key, a sheet and the notebook. Each exercise has a public and a
     hidden test. There is nothing to calibrate.
 
     TEMPLATE: The task, or the notebook, for students.
-    FOLDER: The folder, which is made.
+    FOLDER: The folder; created.
     --name TEXT: Name of the assignment. Default: the folder's.
-    --no-calibrate: Keep the limits of the task that ships with robsim.
-    --seed N: Seed of the drawn numbers, but not of the key. Default: another one each time.
+    --no-calibrate: Keep the limits of the task shipped with robsim.
+    --seed N: Seed of the drawn numbers, but not of the key. Default: a new seed each time.
 
     Example: robsim assignment new park hw1
     """
@@ -125,7 +125,9 @@ def new(
         test = made.tests[0]
         drawn = ", ".join(f"{key} {value}" for key, value in test.task.parameters.items())
         errors.say(f"written to {folder}: {made.title}, {drawn}")
-        errors.say(f"to look at: sheet.md, assignment.toml, start/, solutions/; {test.provisional}")
+        errors.say(
+            f"please read: sheet.md, assignment.toml, start/, solutions/; {test.provisional}"
+        )
         sys.stdout.flush()
         if not no_calibrate:
             calibrate_and_print(folder, jobs=jobs, provisional=True)
@@ -135,14 +137,14 @@ def new(
 def check(folder: Folder, jobs: AllJobs = None, as_json: Json = False) -> None:
     """Check an assignment before you rely on it.
 
-    It grades a class of all known cases. Right solutions, one also as a notebook, must get all
-    points, and wrong ones fewer. An empty one must get no points, like one that ends its process,
-    hangs, patches the scoring, or looks for the truth. The key must be secret, and the limits must
-    belong to this task. The sheet must name the callbacks to write, and students must get nothing
-    hidden.
+    It grades a class of all known cases. Correct solutions, one also as a notebook, must get all
+    points, and wrong ones fewer. Empty submissions must get no points, nor those that end their
+    process, hang, patch the scoring, or look for the truth. The key must be secret, and the limits
+    must belong to this task. The sheet must name the callbacks to write. The students' files must
+    contain no hidden data.
 
-    It takes a minute or two. The exit status is 0 if all is well, 1 if something is wrong, 2 if the
-    assignment cannot be used at all.
+    It takes a minute or two. The exit status is 0 if all checks pass, 1 if some fail, 2 if the
+    assignment is unusable.
 
     Example: robsim assignment check hw1
     """
@@ -163,14 +165,14 @@ def pack(
 ) -> None:
     """Pack an assignment: for students, for Gradescope.
 
-    Students get the sheet, files to begin with, and the public tests with the reference's scores:
-    no key, no hidden test, no solution. The autograder has all that grading needs, the key as well:
-    give it to Gradescope alone.
+    Students get the sheet, start files, and the public tests with the reference's scores, but no
+    key, no hidden test and no solution. The autograder contains everything for grading, also the
+    key: upload it to Gradescope only.
 
-    --students ZIP|FOLDER: Write what students get: a zip, or a folder.
+    --students ZIP|FOLDER: Write the students' files: a zip, or a folder.
     --gradescope ZIP: Write an autograder for Gradescope.
-    --install WHEEL|NAME: With --gradescope: a wheel of robsim to install there, or a requirement of
-        pip such as robsim==1.2. Default: this version, from where pip finds it.
+    --install WHEEL|NAME: With --gradescope: a wheel of robsim to install there, or a requirement
+        for pip such as robsim==1.2. Default: this version, from pip's usual index.
 
     Example: robsim assignment pack hw1 --students hw1-students.zip
     """
@@ -178,9 +180,9 @@ def pack(
 
     with report_errors():
         if students is None and gradescope is None:
-            raise ValueError("what is to be packed? --students ZIP, --gradescope ZIP, or both")
+            raise ValueError("no output to pack: give --students ZIP, --gradescope ZIP, or both")
         if install is not None and gradescope is None:
-            raise ValueError("--install is for an autograder: give --gradescope ZIP, too")
+            raise ValueError("--install needs an autograder: add --gradescope ZIP")
         assignment = load_assignment(folder)
         for said in sorted({test.provisional for test in assignment.tests} - {""}):
             errors.print_note(f"warning: {said}")
@@ -189,13 +191,13 @@ def pack(
             errors.say(f"for students: {students}")
         if gradescope is not None:
             pack_gradescope(assignment, gradescope, install=install)
-            errors.say(f"for Gradescope, with the key in it: {gradescope}")
+            errors.say(f"for Gradescope, with the secret key: {gradescope}")
 
 
 HELP = (
-    "In this order: new writes a folder, whose assignment.toml and sheet.md are yours to edit; "
-    "calibrate finds from which score on there are points; check grades all that is known to be "
-    "right or wrong, before you rely on it; pack writes what students get, and an autograder for "
+    "In this order: new writes a folder, with assignment.toml and sheet.md for you to edit; "
+    "calibrate finds the score limits for points. Then check grades all known correct and "
+    "wrong submissions, and pack writes the students' files and an autograder for "
     "Gradescope."
 )
 app = command_group("Start with: robsim assignment new park hw1")

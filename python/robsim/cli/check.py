@@ -1,4 +1,4 @@
-"""The command ``robsim check``: what is wrong with callbacks, and in which line."""
+"""The command ``robsim check``: problems of callbacks, and their lines."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def check(
     """Check callbacks.
 
     Each file of the folder is tried in many situations: an unseen robot, a heading that passes
-    +-180 degrees, the wall, a long run. The exit status is 0 if all pass, 1 if one fails, 2 if
-    there is nothing to check. A check ends a call that takes longer than 5 s, and prints a line to
-    stderr when it is done.
+    +-180 degrees, the wall, a long run. The exit status is 0 if all files pass, 1 if one fails, 2
+    if the folder has no callbacks. A check stops calls longer than 5 s, and prints a line to stderr
+    at its end.
 
-    With --task they are also tried on a task, as robsim tasks try does, in its world: whether they
-    solve it, which score is short of its limit, and why. The exit status is 0 if they solve it, and
-    all pass.
+    With --task they are also tried on a task, like robsim tasks try, in its world. The report shows
+    whether they solve it, each score short of its limit, and the reason. The exit status is 0 if
+    they solve the task, and all files pass.
 
     FILE|FOLDER: A folder with callbacks, one of its files, or a notebook.
     --task NAME: Also try them on that task; see robsim tasks list.
@@ -66,7 +66,7 @@ def check(
 
 
 def _page(report: FolderReport) -> Iterator[RenderableType]:
-    """Yield what is printed of a folder: a line for each slot, then what is wrong with each."""
+    """Yield the page of a folder: a line for each slot, then the problems of each slot."""
     from rich.table import Table
 
     from robsim.teach.doctor import TaskReport
@@ -77,7 +77,7 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
     table = Table.grid(padding=(0, 3), pad_edge=True)
     for slot, verdict in report.verdicts.items():
         if isinstance(report, TaskReport) and slot not in (*report.task.slots, *report.not_used):
-            continue  # nobody asks for it
+            continue  # the task does not use this slot
         file = "" if isinstance(one := report.checks[slot], str) else one.name
         table.add_row(slot, styled(verdict, _STYLES.get(verdict, "dim")), file)
     yield table
@@ -90,7 +90,7 @@ def _page(report: FolderReport) -> Iterator[RenderableType]:
                 yield _hanging("-", remark)
             of_files |= {f"{one.name}: {remark}" for remark in one.remarks}
     if isinstance(report, TaskReport) and report.findings:
-        yield from _numbered("what the runs of the task show", report.findings)
+        yield from _numbered("findings in the runs of the task", report.findings)
     for remark in report.remarks:
         if remark not in of_files:
             yield ""

@@ -39,21 +39,21 @@ def train(
 ) -> None:
     """Find the ranges of a colour in images, or the ranges of a robot's markers in a recording.
 
-    Of images: give a --region for each, and the --name of the colour; image viewers show pixel
-    positions. Of a recording - a video, a folder of images, a session - in which the robot drives:
-    its markers are trained wherever it was, in the light of the whole floor. Prints the ranges in
-    the format of a colour file, and how level and chroma drift from frame to frame; --to writes the
-    ranges to a file and keeps its other colours.
+    With images: give a --region for each, and the --name of the colour; image viewers show pixel
+    positions. With a recording of the driving robot, the markers are trained all along its path, in
+    the light of the whole floor. The command prints the ranges in the format of a colour file, and
+    the drift of level and chroma from frame to frame. --to writes the ranges to a file and keeps
+    its other colours.
 
     FRAMES: Images, or one recording: a video, a folder of images, a session.
     --region [NAME=]L,T,R,B: Box in px around pixels of the colour: left,top,right,bottom; one for
-        each image. In the first frame of a recording, one for each of the robot's colours,
-        red=L,T,R,B and blue=L,T,R,B, if --colors do not find it. Can be repeated.
-    --name NAME: Of images: name of the colour: red, ...
+        each image. For a recording, one in its first frame for each of the robot's colours,
+        red=L,T,R,B and blue=L,T,R,B, if --colors fail to find it. Can be repeated.
+    --name NAME: For images: name of the colour: red, ...
     --to FILE: Colour file to write to; created if needed.
     --margin LEVELS: Widening of the ranges found, in levels of 0..255. Default: 52.
-    --limit-y: Of images: limit the brightness Y, too; needed for black and white.
-    --figure FILE: Of images: file for the histograms, such as red.png.
+    --limit-y: For images: limit the brightness Y, too; needed for black and white.
+    --figure FILE: For images: file for the histograms, such as red.png.
 
     Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml
     """
@@ -74,7 +74,7 @@ def train(
         for other, value in others.items():
             if value is not None:
                 raise ValueError(
-                    f"--{other} goes with a recording, --name with images: leave one out"
+                    f"--{other} is for a recording, --name for images: remove one of them"
                 )
         if figure:
             check_figure_name(figure)
@@ -96,7 +96,7 @@ def train(
 
 
 def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path | None) -> None:
-    """Raise ValueError unless the arguments are those of a recording."""
+    """Raise ValueError unless the arguments fit a recording."""
     are_images = all(frame.suffix.lower() in image_suffixes() for frame in frames)
     if are_images or len(frames) > 1:
         raise ValueError(
@@ -105,7 +105,7 @@ def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path |
         )
     for name, value in (("--limit-y", limit_y), ("--figure", figure)):
         if value:
-            raise ValueError(f"{name} goes with images and their --name, not with a recording")
+            raise ValueError(f"{name} is for images with --name, not for a recording")
 
 
 def _recording(
@@ -118,7 +118,7 @@ def _recording(
         return Recording(source, area=parse_size("--area", area), calibration=calibration)
     for name, value in (("--area", area), ("--calibration", calibration)):
         if value is not None:
-            raise ValueError(f"{name} is known of a session: leave it out")
+            raise ValueError(f"{name} is already in the session: leave it out")
     return Session(source)
 
 

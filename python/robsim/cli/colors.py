@@ -75,7 +75,7 @@ def frame(
 def list_colors(file: Path | None = None) -> None:
     """List the colours in a file, with their ranges.
 
-    FILE: Colour file. [default: that of robsim]
+    FILE: Colour file. [default: robsim's colours]
 
     Example: robsim colors list
     """
@@ -83,7 +83,7 @@ def list_colors(file: Path | None = None) -> None:
     errors.print_rows(
         ("colour", "Y", "U", "V"), [(c.name, *map(_range, (c.y, c.u, c.v))) for c in colors]
     )
-    errors.say(f"from {file or 'those that ship with robsim'}")
+    errors.say(f"from {file or 'the colours shipped with robsim'}")
 
 
 command(app)(color_training.train)
@@ -98,16 +98,15 @@ def try_colors(
     out: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Look for colours in images.
+    """Search images for colours.
 
-    With --region, it scores how robustly a colour is detected in one image under other light and
-    noise. It proposes wider or narrower ranges.
+    With --region, it scores the detection of a colour in one image under other light and noise. It
+    proposes wider or narrower ranges.
 
     --smoothing PX: Width of the averaging window in px: 3, 5, ... 15; 1 = off.
-    --region NAME=L,T,R,B: Region of the colour NAME; all its regions must be given. Can be
-        repeated.
-    --out FILE|FOLDER: Image file that shows which pixel belongs to which colour; a folder if
-        several images are given.
+    --region NAME=L,T,R,B: Region of the colour NAME; give all its regions. Can be repeated.
+    --out FILE|FOLDER: Image file that paints each pixel in its colour class; a folder for several
+        images.
 
     Example: robsim colors test frame.png --colors colors.toml --out seen.png --region
     red=578,613,594,630
@@ -159,7 +158,7 @@ def _marked_regions(
             )
         marked.setdefault(name, []).append(parse_region("--region", box))
     if marked and len(images) > 1:
-        raise ValueError(f"--region goes with one image, got {len(images)}")
+        raise ValueError(f"--region is for one image, got {len(images)}")
     return marked
 
 

@@ -1,13 +1,13 @@
 """The classes of all commands, and how their arguments and options are declared.
 
 The docstring of a command is its --help: description, lines of arguments and options, example.
-The lines are in the order of the signature, for all whose type there is a plain one::
+The lines are in the order of the signature, one for each parameter with a plain type::
 
     SOURCE: Video file, or folder of images.
     --colors FILE: Colour file. [default: that of robsim]
     --video/--no-video: Write the annotated video, too.
 
-Several commands share options that are `Annotated` types, declared by `option` and its like.
+Options shared by several commands are `Annotated` types, declared by `option` and the like.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """Several commands; Ctrl-C ends each of them with a word."""
+    """Several commands; Ctrl-C ends each of them with a short message."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         return _without_types(super().get_params(ctx))
@@ -64,10 +64,10 @@ class Group(TyperGroup):
 
 
 class Later(TyperCommand):
-    """A command, or a group of commands, whose module is loaded when it is run.
+    """A command, or a group of commands, whose module is loaded on first use.
 
-    The module has a function of its name, or an `app` and HELP. A `bare` module has it for calls
-    without arguments but those about the page: it is loaded sooner.
+    The module has a function of its name, or an `app` and HELP. A `bare` module handles calls with
+    options of the page only, and loads faster.
     """
 
     def __init__(self, name: str, module: str, summary: str, bare: str | None = None) -> None:
@@ -98,7 +98,7 @@ _OF_PAGE = re.compile(r"((--no-browser|--port[ =]\d+)( |$))*")
 
 
 def command_group(epilog: str) -> typer.Typer:
-    """Return a group for commands, without any as yet."""
+    """Return a group without commands."""
     return typer.Typer(no_args_is_help=True, rich_markup_mode="rich", epilog=epilog)
 
 
@@ -153,7 +153,7 @@ def _declared(parameter: Parameter, entries: list[str]) -> Parameter:
 
 
 def _without_types(params: list[Any]) -> list[Any]:
-    """Return parameters that show no type of Python in --help, such as <bool> of --help itself."""
+    """Return parameters without Python types in --help, such as <bool> of --help itself."""
     for param in params:
         if param.param_type_name == "argument" or param.name == "help":
             param.display_type_rich = lambda ctx: None

@@ -1,4 +1,4 @@
-"""What the commands print, and their exit codes: 1 = error in a callback, 2 = other errors."""
+"""The output of commands, and their exit codes: 1 = error in a callback, 2 = other errors."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _WIDEST_PAGE = 100
 
 @contextmanager
 def names(given: Mapping[str, str]) -> Iterator[None]:
-    """Let messages that begin with the name of an argument begin with the shell's name."""
+    """Replace the argument's name at the start of messages by the shell's name."""
     token = _names.set({**_names.get(), **given})
     try:
         yield
@@ -93,7 +93,7 @@ def _sentence(error: BaseException) -> str:
 
 
 def _in_callbacks(error: BaseException, folder: Path) -> str | None:
-    """Return the traceback of an error within the user's files; None if they are not in it."""
+    """Return the traceback of an error within the user's files; None if outside them."""
     root = folder.resolve()
     frames = [
         frame
@@ -145,7 +145,7 @@ def print_rows(titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
 
 
 def print_table(table: Table) -> None:
-    """Print a table to stdout; where the terminal is too narrow, lines wrap, but nothing is cut."""
+    """Print a table to stdout; in a narrow terminal, lines wrap instead of being cut."""
     console = Console()
     width = Measurement.get(console, console.options.update(width=_WIDEST), table).maximum
     console.width = max(console.width, width)
@@ -166,5 +166,5 @@ def styled(text: str, style: str = "") -> Text:
 
 
 def print_note(text: str) -> None:
-    """Print a remark to stderr, apart from the results."""
+    """Print a remark to stderr, separate from the results."""
     Console(stderr=True, soft_wrap=True).print(printable(text), markup=False, highlight=False)

@@ -18,7 +18,7 @@ NO_WORKER, NOT_STRICT = 2, 3  # exit statuses
 
 
 def print_isolation(isolation: str, *, as_json: bool) -> None:
-    """Print what holds; exit with the status that says whether the level can be had."""
+    """Print the isolation of this machine; exit with a status for the requested level."""
     from robsim.base.checks import check_choice
     from robsim.teach.errors import GraderError
     from robsim.teach.isolation.check import check_isolation
@@ -76,45 +76,46 @@ def grade(
 ) -> None:
     """Grade submissions by an assignment.
 
-    Each runs in its own process, which sees the frames and none of the truth. Results are written
-    after each test: the same command continues an ended one, and repeats only what changed. In the
-    folder of each student are index.html and result.txt for them; beside these class.html,
-    class.csv, and by_hand.csv, which is yours: late days, other points, comments.
+    Each submission runs in its own process, which receives frames but never the truth. Results are
+    written after each test. The same command continues an interrupted one, and repeats only changed
+    tests. The folder of each student has index.html and result.txt. The folder above has
+    class.html, class.csv, and by_hand.csv for your entries: late days, other points, comments.
 
     With --public, for students: the public tests of their work.
 
-    The exit status is 0 if all have all points, 1 if points are missing, 3 if submissions cannot be
-    shut in. It is 2 if the assignment is incomplete or broken, or if something could not be graded.
+    The exit status is 0 if all have full points, 1 if points are missing, 3 if submissions cannot
+    be isolated. It is 2 if the assignment is incomplete or broken, or if something could not be
+    graded.
 
-    robsim grade --check-isolation reports how submissions are shut in on this machine. Tests
+    robsim grade --check-isolation reports the isolation on this machine. Tests
     without an assignment: python -m pytest --robsim-submission=PATH TESTS.py.
 
     ASSIGNMENT: The folder of the assignment.
     SUBMISSIONS: A folder with one for each student: a folder, a Python file, a notebook or a zip;
-        or the zip of these as Moodle, Canvas or Blackboard packs it; or a single one.
-    --public: Only the tests that students have, too.
+        or the zip of these from Moodle, Canvas or Blackboard; or a single one.
+    --public: Only the public tests, which students have, too.
     --only NAME: Run only this test, or grade only this student; may be given twice. Results of
         others are kept.
     --groups FILE: A table with the columns group and student: each member of a group gets its
-        marks. Default: groups.csv beside the submissions, if there is one.
-    --isolation LEVEL: auto = all that works here. strict = the same, and files, processes, network
-        and memory must be closed. process = limits alone. none = a process, and nothing else.
-        Default: as the assignment says.
-    --student NAME: Whose it is, for a single submission. Default: the name of its file or folder.
+        marks. Default: groups.csv next to the submissions, if it exists.
+    --isolation LEVEL: auto = every isolation that works here. strict = the same, with required
+        isolation of files, processes, network and memory. process = limits only. none = a separate
+        process only. Default: the assignment's level.
+    --student NAME: The author of a single submission. Default: the name of its file or folder.
     --columns PLATFORM: Columns of class.csv: robsim, moodle, canvas or blackboard.
     --pseudonyms: No names of students in class.html and class.csv.
     --teacher-pages: Write teacher.html for each student, too, with hidden tests.
-    --feedback ZIP: Write the pages of all students into a zip, as Moodle takes feedback files.
-    --gradescope FILE: Write the result of a single submission as Gradescope reads it, results.json.
-        An autograder: robsim assignment pack.
+    --feedback ZIP: Write the pages of all students into a zip, in Moodle's format for feedback
+        files.
+    --gradescope FILE: Write the result of a single submission for Gradescope, results.json. For an
+        autograder: robsim assignment pack.
     --regrade: Run nothing: mark the results in --out again, after limits, points or by_hand.csv
-        changed, and print whose points are others now.
-    --play TEST: For an appeal: do a run of this test again, which is the same, and write its trace
-        and picture.
-    --gui: Also open the run to --play in the panel, in the browser, with the goal of the task; it
-        ends when you close its page, or with Ctrl-C.
-    --run N: Which run to --play. Default: the worst one in the results.
-    --check-isolation: Let a process try to get out, report the result, and grade nothing.
+        changed, and print all students with changed points.
+    --play TEST: For an appeal: repeat a run of this test exactly, and write its trace and picture.
+    --gui: Also open the run to --play in the panel, in the browser, with the goal of the task; the
+        panel ends when you close its page, or with Ctrl-C.
+    --run N: Number of the run to --play. Default: the worst run in the results.
+    --check-isolation: Test the isolation on this machine, report the result, and grade nothing.
 
     Example: robsim grade hw3 submissions
     """
@@ -131,13 +132,13 @@ def grade(
         _check_together(locals())
         if assignment is None:
             raise ValueError(
-                "which assignment? robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation looks "
-                "at this machine"
+                "missing assignment: robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation tests "
+                "this machine"
             )
         level = None if isolation is None else check_choice("isolation", isolation, LEVELS)
         given = load_assignment(assignment, isolation=level)
         if play is None and (gui or run is not None):
-            raise ValueError("--gui and --run are for the run to --play: give that, too")
+            raise ValueError("--gui and --run are for the run to --play: add --play")
         executor = engine_of(jobs)
         if feedback is not None:
             check_file(feedback)
@@ -146,7 +147,7 @@ def grade(
         if regrade:
             result = regrade_class(given, out, **tables)
         elif submissions is None:
-            raise ValueError("what is to be graded? robsim grade ASSIGNMENT SUBMISSIONS")
+            raise ValueError("missing submissions: robsim grade ASSIGNMENT SUBMISSIONS")
         elif play is not None:
             marks.played(given, submissions, play, run, out, student, is_shown=gui)
             return
@@ -164,7 +165,7 @@ def grade(
 
 
 def _check_together(values: Mapping[str, Any]) -> None:
-    """Raise ValueError for an option that another one would leave without effect."""
+    """Raise ValueError for an option that has no effect with another one."""
     options = signature(grade).parameters.items()
     given = [name for name, one in options if values[name] != one.default]
     for name in given:
@@ -175,7 +176,7 @@ def _check_together(values: Mapping[str, Any]) -> None:
 
 @contextmanager
 def _reported() -> Iterator[None]:
-    """Print an error as a sentence, and exit with the status that says whose it is."""
+    """Print an error as a sentence, and exit with a status that depends on its cause."""
     from robsim.teach.errors import GradingError, SubmissionError
     from robsim.teach.isolation.start import IsolationError
 

@@ -68,16 +68,16 @@ def _tell(result: SubmissionResult, changed: str) -> None:
 def _line(result: SubmissionResult, changed: str) -> str:
     if not result.submission_digest:
         return f"{person(result.student)}  {_points(result)}  {result.tests[0].sentence}"
-    # Those without a digest were not asked for, or could not be graded.
+    # Results without a digest were not requested, or could not be graded.
     lost = [test.name for test in result.tests if test.digest and test.status != "passed"]
     names = ", ".join(lost[:_MOST_NAMED]) + (", ..." if len(lost) > _MOST_NAMED else "")
     what = f"  not all of {names}" if lost else ""
-    why = f"  (graded anew: {changed})" if changed else ""
+    why = f"  (regraded: {changed})" if changed else ""
     return f"{person(result.student)}  {_points(result)}{what}{why}"
 
 
 def _points(result: SubmissionResult) -> str:
-    """Return the points of the tests that were run or could not be, of how many."""
+    """Return the points of all tests with a result or a failure, and their maximum."""
     most = sum(test.most for test in result.tests if test.digest or test.by_hand)
     return f"{number(result.points)} of {number(most)}"
 
@@ -85,7 +85,7 @@ def _points(result: SubmissionResult) -> str:
 def show(
     assignment: Assignment, result: ClassResult, out: Path, *, public: bool, as_json: bool
 ) -> None:
-    """Print the result: that of a single submission whole, of a class as a table."""
+    """Print the result: details of a single submission, or a table of a class."""
     if as_json:
         errors.show(json.dumps([json.loads(one.to_json()) for one in result.results], indent=2))
         return
@@ -95,7 +95,7 @@ def show(
         errors.show(f"\n{result}\n")
         if line := next((one.isolation for one in result.results if one.isolation), ""):
             errors.say(line)
-        errors.say(f"pages and tables: {out / CLASS}, and a folder for each student beside it")
+        errors.say(f"pages and tables: {out / CLASS}, with a folder for each student next to them")
         return
     (one,) = result.results
     errors.show(student_text(for_student(one) if public else one))
@@ -121,7 +121,7 @@ def played(
     *,
     is_shown: bool,
 ) -> None:
-    """Do a run again, print its scores, write its trace and picture, and show it in the panel."""
+    """Repeat a run, print its scores, write its trace and picture, and show it in the panel."""
     check_folder(out)
     again = play_run(assignment, submission, test, run, out, student=student)
     trace, picture = again.files
@@ -137,8 +137,8 @@ def played(
 
     if again.test.task.scenario.noise is not None:
         errors.print_note(
-            "the panel draws the pictures again, with other noise than the submission has seen; "
-            "measurements, estimates and paths are those of the run"
+            "the panel draws the pictures again, with other noise than in the submission's run; "
+            "measurements, estimates and paths come from that run"
         )
     with panel(again.trace, goals=again.test.task.goals) as opened:
         show_panel(opened)

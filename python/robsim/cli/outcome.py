@@ -58,7 +58,9 @@ def finish(
     if sentence := explain_missed(simulation.missed_detections, len(simulation.trace)):
         errors.print_note(sentence)
     if results.tracking is None:
-        errors.print_note("not tracked: add --measure, or write a measure.py with ENABLED = True")
+        errors.print_note(
+            "no measurements: add --measure, or write a measure.py with ENABLED = True"
+        )
     if not as_json:
         errors.say(f"written to {out}: {', '.join(file.name for file in results.files)}")
         for file in filter(None, (video, record)):
@@ -94,23 +96,23 @@ def write_with_progress(file: Path, frames: Iterable[Frame | Pixels], trace: Tra
     save_video(file, shown, fps=min(500.0, max(0.1, 1 / dt)))
 
 
-_PATIENCE = 3.0  # s that the last page may be away, such as while it is loaded anew
+_PATIENCE = 3.0  # s without any page, such as during a reload
 
 
 def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) -> None:
-    """Tell the address of a panel, and show it until its last page is closed, or Ctrl-C.
+    """Print the address of a panel, and show it until its last page is closed, or Ctrl-C.
 
-    A `port` of 0 is any free one. A browser starts if one `is_wanted`.
+    A `port` of 0 means any free port. A browser starts if one `is_wanted`.
     """
     page = opened._serve(port)
     is_shown = is_wanted and page.open()
     errors.say(f"the panel is at {page.url}")
     if is_wanted and not is_shown:
-        errors.print_note("no browser could be started: open this address in one")
+        errors.print_note("no browser could be started: open this address in a browser")
     if not is_shown and "SSH_CONNECTION" in os.environ:
         login = f"{getpass.getuser()}@{socket.gethostname()}"
         errors.print_note(
-            "to see it on the machine before you, type there: "
+            "to see the panel on your own machine, type there: "
             f"ssh -N -L {page.port}:127.0.0.1:{page.port} {login}; then open the address there"
         )
     errors.say("Ctrl-C ends it")
@@ -120,11 +122,11 @@ def show_panel(opened: HostedPanel, port: int = 0, *, is_wanted: bool = True) ->
     except KeyboardInterrupt:
         errors.print_note("ended")
     else:
-        errors.say("ended" if page.fault else "its last page was closed: ended")
+        errors.say("ended" if page.fault else "ended: its last page was closed")
 
 
 def keep_run(opened: Panel) -> None:
-    """Save the run of a panel that ends among the newest runs; print its place and estimate."""
+    """Save the run of a closing panel among the newest runs; print its file and estimate."""
     from robsim.gui.kept_runs import keep
     from robsim.gui.panels.run.stuck import PATIENCE
 
@@ -138,7 +140,7 @@ def keep_run(opened: Panel) -> None:
     except (OSError, MemoryError) as error:
         errors.print_note(f"the run could not be saved: {error}")
     else:
-        errors.say(f"its {len(trace)} steps are in {file}; to see them again: robsim gui {file}")
+        errors.say(f"its {len(trace)} steps are in {file}; to open them again: robsim gui {file}")
     try:
         errors.show(opened.finish())
     except (ValueError, TimeoutError) as error:  # too few steps, or a callback does not end

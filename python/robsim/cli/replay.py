@@ -12,12 +12,12 @@ from robsim.cli.outcome import show_panel
 
 
 def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = False) -> None:
-    """Run a shared run again, to the bit, and open its panel at the last step.
+    """Rerun a shared run, bit by bit, and open its panel at the last step.
 
-    A file may carry Python code, its callbacks. They run with your rights, and only after you have
-    said yes, or with --trust: read the code of a stranger before, the file is text.
+    A file may contain Python code, its callbacks. They run with your rights, and only after your
+    consent, or with --trust: read the code of a stranger first, the file is text.
 
-    FILE: Replay file, as Share of the panel gives it.
+    FILE: Replay file, from Share of the panel.
     --trust: Run the code of the file without a question.
     --port N: Port of the page on this machine. [default: any that is free]
     --no-browser: Start no browser, print the address only.
@@ -30,7 +30,7 @@ def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = Fa
     with errors.report_errors(file):
         read = ReplayFile.load(file)
         if read.code and not trust:
-            errors.say("it carries Python code, which would run with your rights:")
+            errors.say("the file contains Python code, which would run with your rights:")
             for name, lines in read.code.items():
                 errors.say(f"  {name}, {lines} lines")
             with suppress(typer.Abort):  # no answer comes
@@ -38,5 +38,5 @@ def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = Fa
             if not trust:
                 raise typer.Exit(1)
         with run_again(read) as panel:
-            errors.say(f"run again: {len(panel.trace)} steps")
+            errors.say(f"rerun: {len(panel.trace)} steps")
             show_panel(panel, port, is_wanted=not no_browser)

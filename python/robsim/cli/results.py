@@ -47,23 +47,23 @@ class Results:
 
 
 def check_folder(out: Path) -> None:
-    """Raise the OSError of a folder for the results that cannot be written to, before the run."""
+    """Raise the OSError of an unwritable folder for results, before the run."""
     if out.exists() and not out.is_dir():
-        raise NotADirectoryError(f"{out} is a file, not a folder: give another name")
+        raise NotADirectoryError(f"{out} is a file, not a folder: use another name")
     there = next(folder for folder in (out.absolute(), *out.absolute().parents) if folder.exists())
     if not there.is_dir():
         raise NotADirectoryError(f"{out}: {there} is a file, not a folder")
     if not os.access(there, os.W_OK | os.X_OK):
-        raise PermissionError(f"{out}: the folder {there} cannot be written to")
+        raise PermissionError(f"{out}: the folder {there} is not writable")
 
 
 def check_file(file: Path) -> None:
-    """Raise the OSError of a file that cannot be written, before what takes long."""
+    """Raise the OSError of an unwritable file, before the long work."""
     if file.is_dir():
-        raise IsADirectoryError(f"{file} is a folder, not a file: give a name in it")
+        raise IsADirectoryError(f"{file} is a folder, not a file: name a file in it")
     check_folder(file.absolute().parent)
     if file.exists() and not os.access(file, os.W_OK):
-        raise PermissionError(f"{file} cannot be written to")
+        raise PermissionError(f"{file} is not writable")
 
 
 def check_figure_name(file: Path) -> None:
@@ -72,7 +72,7 @@ def check_figure_name(file: Path) -> None:
 
     if file.suffix[1:].lower() not in FigureCanvasBase.get_supported_filetypes():
         raise ValueError(
-            f"{one_line(file)}: the name of a figure must end in .png, .pdf, .svg or the like"
+            f"{one_line(file)}: the name of a figure must end in .png, .pdf, .svg or similar"
         )
 
 
@@ -98,9 +98,9 @@ def write_results(
 ) -> Results:
     """Write the figures and the trace of a run.
 
-    These are camera.jpg, traces.png, trace.npz; parameters.png and batch.png if parameters were
-    estimated. The batch estimate has the `method`, and `more` are other reports of the run. `scale`
-    is the length of a px of the work area (mm), by default as the run was calibrated.
+    The files are camera.jpg, traces.png, trace.npz; with an estimator, also parameters.png and
+    batch.png. The batch estimate uses the `method`, and `more` are other reports of the run.
+    `scale` is the length of a px of the work area (mm), by default from the run's calibration.
     """
     trace = simulation.trace.in_unit(unit, mm_per_px=scale)
     is_tracked = trace.is_tracked
@@ -139,7 +139,7 @@ def _camera_figure(simulation: Simulation | Experiment) -> Any:
 
 
 def _report(trace: Trace, method: str) -> BatchEstimate | None:
-    """Return the batch estimate, if parameters were estimated and the record is long enough."""
+    """Return the batch estimate, if the run had an estimator and the record is long enough."""
     if not np.isfinite(trace.parameters).any():
         return None
     try:

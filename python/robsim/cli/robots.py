@@ -28,7 +28,7 @@ _FACES = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
 
 @command(app, "list")
 def list_robots() -> None:
-    """List all robots, and which one is the default.
+    """List all robots, and mark the default.
 
     Example: robsim robots list
     """
@@ -60,7 +60,7 @@ def list_robots() -> None:
         table.add_row(escape(one_line(one.name)), *numbers, whose, use)
         if not one.is_found:
             problems.append(
-                f"{one_line(one.folder)}: another robot of this name takes precedence: rename the "
+                f"{one_line(one.folder)}: another robot of this name takes precedence; rename the "
                 "folder"
             )
     errors.print_table(table)
@@ -110,21 +110,21 @@ def add(
 ) -> None:
     """Add a robot to your user folder.
 
-    Missing options are derived from an image, or copied from another robot. The surroundings of the
-    robot in the image must be transparent, or --outline be given. The roles of the markers, right
-    and left, or front and back, follow from where they lie. Check the result with [bold]robsim
-    robots show[/], rotate it with [bold]robsim robots rotate[/].
+    Missing options are derived from an image, or copied from another robot. The robot's
+    surroundings in the image must be transparent, unless you give --outline. The roles of the
+    markers, right and left, or front and back, follow from their positions. Check the result with
+    [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].
 
     SOURCE: An image (PNG), a robot, or a folder.
     --size PX: Width of the image on the work area in px. [default: 120]
-    --alignment DEGREES: Degrees clockwise, after which the robot faces right. [default: 0]
+    --alignment DEGREES: Clockwise rotation in degrees that makes the robot face right. [default: 0]
     --centre X,Y: Centre in the image, as '240,250': px right,down. [default: the outline's]
     --outline POINTS: Polygon in the image, as '120,40 180,40 180,90'. [default: around the opaque
         pixels]
     --marker NAME=POINTS: Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be
         repeated. [default: the largest blob of each colour]
-    --marker-colors NAME,NAME: Colours of the two markers, as the colour file names them; to give
-        another robot's markers others, in the order of their roles. [default: red,blue]
+    --marker-colors NAME,NAME: Colours of the two markers, by their names in the colour file; to
+        replace those of another robot, in the order of their roles. [default: red,blue]
     --overwrite: Replace your robot of this name.
     --anyway: Add it even if its markers are not detected.
 
@@ -156,7 +156,7 @@ def _parsed_markers(texts: list[str]) -> dict[str, list[tuple[float, float]]]:
         color, equals, points = text.partition("=")
         if not equals or not color or color in markers:
             raise ValueError(
-                "--marker must be one for each colour, such as 'red=120,40 180,40 180,90', got "
+                "--marker must name each colour once, such as 'red=120,40 180,40 180,90', got "
                 f"{quoted(text)}"
             )
         markers[color] = parse_points("--marker", points, prefix=f"{color}=") or []
@@ -168,7 +168,7 @@ def _parsed_markers(texts: list[str]) -> dict[str, list[tuple[float, float]]]:
 def rotate(name: Name, degrees: float) -> None:
     """Rotate the image of one of your robots, so that the robot faces right.
 
-    DEGREES: Angle in degrees, clockwise; a negative one is anticlockwise.
+    DEGREES: Angle in degrees, clockwise; a negative angle is anticlockwise.
 
     Example: robsim robots rotate mine -90
     """
@@ -212,7 +212,7 @@ def remove(name: Name) -> None:
     from robsim.vision.robots.user_robots import remove_robot
 
     remove_robot(name)
-    errors.say(f"removed: {name}; in use: {default_robot()}")
+    errors.say(f"{name} is removed; in use: {default_robot()}")
 
 
 def _numbers_of(folder: Path, problems: list[object]) -> tuple[str, str, str]:

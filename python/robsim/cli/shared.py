@@ -43,21 +43,21 @@ _FORMS: dict[str | type[Option], tuple[type, str, str]] = {
     "control": (
         str,
         "NAME[:POINTS]",
-        f"A built-in one replaces the folder's: {_CONTROLS}. Points are in px; with points the "
-        "pose is measured.",
+        f"A built-in controller replaces the folder's: {_CONTROLS}. Points are in px; with "
+        "points the pose is measured.",
     ),
 }
 # Texts of the options whose values differ in the shell.
 _TEXTS = {
-    "robot": "Name of a robot, or a folder with a robot.toml. Default: the one chosen with robsim "
+    "robot": "Name of a robot, or a folder with a robot.toml. Default: the choice of robsim "
     "robots use, initially lab.",
-    "headings": "Number of headings that the robot is drawn in: the nearest, at integer pixels. "
+    "headings": "Number of drawn headings of the robot: the nearest, at integer pixels. "
     "Or: continuous, at its exact pose.",
     "start": "The first pose: x, y (px), heading (degrees, clockwise), such as 300,300,90; or: "
     "random. Default: the centre of the area, facing right.",
     "seed": "Seed of all random numbers of the run. Default: another one in each run.",
     "colors": "File of the colours to detect. Default: red and blue as shipped with robsim.",
-    "markers": "Robot with the markers of the default measurement. Default: the one of --robot.",
+    "markers": "Robot with the markers of the default measurement. Default: the robot of --robot.",
 }
 
 #: The rows of options that the shell has.
@@ -65,7 +65,7 @@ WORLD = {name: row for name, row in OPTIONS.items() if {name, type(row)} & {*_FO
 
 
 def entry_of(name: str) -> str:
-    """Return the line that describes an option of the world, with the text of its row or ours."""
+    """Return the line for an option of the world, with the text of its row or ours."""
     row = OPTIONS[name]
     _, form, remark = _FORMS.get(name) or _FORMS[type(row)]
     limits = row.limits and f"{row.limits} {row.unit}".strip() + "."
@@ -93,17 +93,15 @@ Pixels = Annotated[
 Positions = Annotated[str | None, "--positions POINTS: Their positions on the work area, in px."]
 CalibrationFile = Annotated[
     Path | None,
-    "--calibration FILE: Calibration of the camera, of robsim calibrate: it tells where pixels "
-    "lie.",
+    "--calibration FILE: Calibration of the camera, from robsim calibrate, with the map of pixels.",
 ]
 ScenarioFile = Annotated[
     Path | None,
-    "--scenario FILE: TOML file of a scenario, as Scenario.save writes it; other options change "
-    "it.",
+    "--scenario FILE: TOML file of a scenario, from Scenario.save; other options change it.",
 ]
 Unit = Annotated[str, "--unit UNIT: Unit of lengths in the results and figures: px, mm, cm or m."]
 Scale = Annotated[
-    float | None, "--scale MM: With --unit: how long a px of the work area is on the floor, in mm."
+    float | None, "--scale MM: With --unit: length of a px of the work area on the floor, in mm."
 ]
 CallLimit = Annotated[
     float | None,
@@ -112,7 +110,7 @@ CallLimit = Annotated[
 Jobs = Annotated[int, "--jobs N: Number of processes."]
 #: As many as there are cores, unless it is given.
 AllJobs = Annotated[
-    int | None, "--jobs N: Number of processes. Default: the cores that this one may use."
+    int | None, "--jobs N: Number of processes. Default: the cores available to this process."
 ]
 Out = Annotated[Path, "--out FOLDER: Folder for the results."]
 Json = Annotated[bool, "--json: Print only the numbers, as JSON."]
@@ -121,7 +119,7 @@ Json = Annotated[bool, "--json: Print only the numbers, as JSON."]
 def check_unit(
     unit: str, scale: float | None, calibration: Path | None = None, *, is_simulated: bool = False
 ) -> None:
-    """Raise an error unless lengths can be told in a unit."""
+    """Raise an error unless lengths can be given in a unit."""
     from robsim.trace.units import UNITS
     from robsim.vision.imaging.calibration_file import load_calibration
 
@@ -133,14 +131,14 @@ def check_unit(
         if unit == "px":
             raise ValueError("--scale is for lengths in mm, cm or m: add --unit mm")
         if calibration is not None:
-            raise ValueError("--scale and --calibration both say how long a px is: give one")
+            raise ValueError("--scale and --calibration both set the length of a px: give only one")
     elif unit != "px":
         known = load_calibration(calibration).mm_per_px if calibration is not None else None
         if known is None:
-            other = "" if is_simulated else ", or a --calibration that says it"
+            other = "" if is_simulated else ", or a --calibration with this length"
             raise ValueError(
-                f"--unit {unit} needs --scale MM, how long a px of the work area is on the floor, "
-                f"in mm{other}"
+                f"--unit {unit} needs --scale MM, the length of a px of the work area on the "
+                f"floor, in mm{other}"
             )
 
 
@@ -156,18 +154,18 @@ def engine_of(jobs: int | None) -> int | None:
 
 
 def earlier_run(out: Path) -> str | None:
-    """Return the remark that a folder's results of an earlier run are replaced, or None."""
+    """Return the remark that a folder's earlier results will be replaced, or None."""
     from robsim.cli.results import TRACE
 
     if (out / TRACE).exists():
-        return f"the earlier run in {out} is replaced; --out gives another folder"
+        return f"the earlier run in {out} is replaced; --out selects another folder"
     return None
 
 
 def parse_plane_map(pixels: str | None, positions: str | None) -> PlaneMap | None:
-    """Return the map of the options --pixels and --positions; None if they are not given.
+    """Return the map of the options --pixels and --positions; None if they are absent.
 
-    If there are more points than it is made of, how far it is off at them is printed.
+    With more points than the map needs, its error at them is printed.
     """
     from robsim._core import PlaneMap
 

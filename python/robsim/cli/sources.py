@@ -46,14 +46,14 @@ def opened(
     every: int | None,
     model_dt: float | None,
 ) -> Iterator[tuple[Camera, MotorLink | None]]:
-    """Open a camera and the line to the robot; at the end the robot stands, and all is closed.
+    """Open a camera and the line to the robot; finally stop the robot, and close both.
 
-    A `model_dt` is the time of a step that the frames must have (s). Where `every` is not given, it
-    follows from the rate, if that is known before the camera is open.
+    A `model_dt` is the required time step of the frames (s). A missing `every` follows from the
+    rate, if the rate is known before the camera is open.
     """
     if camera is None:
         raise ValueError(
-            f"--camera is missing: {_CAMERAS}, for a rehearsal; robsim cameras lists what there is"
+            f"--camera is missing: {_CAMERAS}, for a rehearsal; see also robsim cameras"
         )
     check_motors(camera, motors)
     with ExitStack() as stack:
@@ -76,12 +76,12 @@ def opened(
 
 
 def _every(rate: float | None, model_dt: float | None) -> int:
-    """Return how many frames a step of the model has; 1 if that is not known."""
+    """Return the number of frames in a step of the model; 1 if unknown."""
     return 1 if rate is None or model_dt is None else max(round(rate * model_dt), 1)
 
 
 def _check_step(camera: Camera, model_dt: float | None, every: int | None) -> None:
-    """Raise ValueError if the frames do not come in the steps of the model."""
+    """Raise ValueError if the frames do not match the steps of the model."""
     if camera.dt is None or model_dt is None:
         return
     if not math.isclose(camera.dt, model_dt, rel_tol=DT_TOLERANCE):
@@ -109,7 +109,7 @@ def _new_lab(
 
 
 def _source(text: str) -> int | str:
-    """Return what a camera opens: the number of a camera, an address, or a path."""
+    """Return the argument for a camera: a number, an address, or a path."""
     if re.fullmatch(r"\d{1,2}", text):
         return int(text)
     is_address = re.match(r"[a-z][a-z0-9+.-]+://", text)
@@ -121,7 +121,7 @@ def _source(text: str) -> int | str:
 
 
 def check_motors(camera: str, motors: str | None) -> None:
-    """Raise ValueError if the text of --motors cannot be understood."""
+    """Raise ValueError if the text of --motors is invalid."""
     if motors in (None, NONE) or re.fullmatch(r"udp:.+:\d+|serial:[^@]+(@\d+)?", motors):
         return
     if motors != SIMULATED:
@@ -133,7 +133,7 @@ def check_motors(camera: str, motors: str | None) -> None:
         raise ValueError(f"--motors must be {_MOTORS}, got {quoted(motors)}{hint}")
     if camera != SIMULATED:
         raise ValueError(
-            f"--motors {SIMULATED} are those of --camera {SIMULATED}: with another camera, give "
+            f"--motors {SIMULATED} are for --camera {SIMULATED}: with another camera, give "
             f"udp:HOST:PORT, serial:PORT or {NONE}"
         )
 
@@ -156,9 +156,9 @@ def _line(stack: ExitStack, text: str | None, lab: SimulatedLab | None) -> Motor
 
 
 def rate_of(fps: float | None, dt: float | None) -> float | None:
-    """Return the rate that --fps or --dt ask for (frames/s)."""
+    """Return the rate from --fps or --dt (frames/s)."""
     if fps is not None and dt is not None:
-        raise ValueError("--fps and --dt say the same: give one of them")
+        raise ValueError("--fps and --dt both set the rate: give only one of them")
     if dt is not None:
         return 1 / check_float("--dt", dt, "s", minimum=1e-3, maximum=3600)
     return fps if fps is None else check_float("--fps", fps, "1/s", minimum=0.1, maximum=1000)
@@ -167,9 +167,9 @@ def rate_of(fps: float | None, dt: float | None) -> float | None:
 def cameras(network: bool = False, as_json: Json = False) -> None:
     """List the cameras of this computer, and why others are missing.
 
-    Each with what to give robsim.Camera. None of them is opened.
+    Each with its argument for robsim.Camera. No camera is opened.
 
-    --network: Look for GigE Vision cameras on the network, too: that takes 1 s.
+    --network: Also search the network for GigE Vision cameras, for 1 s.
 
     Example: robsim cameras
     """

@@ -13,27 +13,27 @@ from robsim.cli import errors
 from robsim.cli.command import command, command_group
 from robsim.cli.shared import Json
 
-Name = Annotated[str, "TASK: Name of the task, as of robsim tasks list."]
+Name = Annotated[str, "TASK: Name of the task, from robsim tasks list."]
 
 
 def list_tasks() -> None:
-    """List the tasks, and which callbacks they need.
+    """List the tasks, and their callbacks.
 
     Example: robsim tasks list
     """
     from robsim.teach.tasks import TASKS
 
     rows = [(name, kind.title, ", ".join(kind.slots)) for name, kind in TASKS.items()]
-    errors.print_rows(("task", "what is to be done", "callbacks"), rows)
+    errors.print_rows(("task", "aim", "callbacks"), rows)
 
 
 def show(name: Name, to: Path | None = None) -> None:
     """Show a task: its aim, its data, and its scores.
 
     With --to it is written to a folder as sheet.md, with a file for each callback to write. Their
-    values are in task.py. Nothing is overwritten there.
+    values are in task.py. Existing files are kept.
 
-    --to FOLDER: Write the sheet and files to start from there; created if needed.
+    --to FOLDER: Write the sheet and start files there; created if needed.
 
     Example: robsim tasks show park --to parking
     """
@@ -49,7 +49,7 @@ def show(name: Name, to: Path | None = None) -> None:
 
 
 def _print(sheet: str) -> None:
-    """Print Markdown, in a terminal as it is meant to look."""
+    """Print Markdown, formatted in a terminal."""
     if not sys.stdout.isatty():
         errors.show(sheet)
         return
@@ -67,17 +67,17 @@ def try_solution(
     figure: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Try a solution of a task, beside a reference in the same runs.
+    """Try a solution of a task, and a reference in the same runs.
 
     It prints the scores, and each fault with its line. The exit status is 0 if the solution is as
-    good as the reference, 1 if it is worse, 2 without a solution. It is run in this process, as
+    good as the reference, 1 if it is worse, 2 without a solution. It runs in this process, like
     your own code: grade other people's with robsim grade.
 
-    FILE|FOLDER: A folder with the callbacks, the file of one, or a notebook.
+    FILE|FOLDER: A folder with the callbacks, a single callback's file, or a notebook.
     --runs N: Number of runs. Default: the task's.
-    --seed N: Another number: other runs.
-    --time-limit SECONDS: Longest duration of a call of a callback. Default: none.
-    --figure FILE: Draw the worst run there: a PNG, PDF or SVG file.
+    --seed N: Seed of the runs.
+    --time-limit SECONDS: Longest duration of a call of a callback. Default: unlimited.
+    --figure FILE: Draw the worst run: a PNG, PDF or SVG file.
 
     Example: robsim tasks try park parking --figure park.png
     """
@@ -94,7 +94,7 @@ def try_solution(
     errors.show(trial.to_json() if as_json else trial)
     if figure is not None:
         drawn = f"run {trial.worst} is drawn in {figure}"
-        errors.print_note(drawn if trial.worst is not None else "all runs failed: none is drawn")
+        errors.print_note(drawn if trial.worst is not None else "all runs failed: no run is drawn")
     if not trial.is_solved:
         errors.print_note(f"why: robsim check {one_line(path)} --task {trial.task.name}")
         raise typer.Exit(1)
@@ -102,8 +102,8 @@ def try_solution(
 
 HELP = (
     "A task is a world, the callbacks that you write for it, and scores. Show one with --to "
-    "to get its sheet and files to start from; edit them, and try them as often as you like: they "
-    "are run beside a reference, in the same runs."
+    "to get its sheet and start files; edit them, and try them as often as you like: they "
+    "run on the same seeds as a reference."
 )
 app = command_group("Start with: robsim tasks list")
 command(app, "list")(list_tasks)

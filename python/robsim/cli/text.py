@@ -22,7 +22,7 @@ Region = tuple[int, int, int, int]
 
 @contextmanager
 def about(option: str, *names: str) -> Iterator[None]:
-    """Begin the message of an error inside the context with the option that it is about.
+    """Begin the message of an error inside the context with its option.
 
     The option replaces the name of an argument if the message begins with one of `names`.
     """
@@ -147,7 +147,7 @@ def parse_points(
 ) -> Points | None:
     """Return points from text such as "120,40 180,40 180,90": `count`, or at least `minimum`.
 
-    An error shows the text with the `prefix` that it had.
+    An error shows the text with its `prefix`.
     """
     if text is None:
         return None

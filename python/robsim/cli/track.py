@@ -39,8 +39,8 @@ def track(
     """Track the robot in a video file or a folder of images.
 
     Writes the trace, the figures and an annotated video. For a camera that views the floor
-    obliquely, give four or more points whose positions are known. The exit status is 1 if the
-    robot was never seen.
+    obliquely, give four or more points of known position. The exit status is 1 if the robot was
+    never seen.
 
     SOURCE: Video file, or folder of images.
     --dt SECONDS: Time between two frames in s. Default: the times in the video; 0.2 for images.
@@ -55,7 +55,7 @@ def track(
     check_folder(out)
     shared.check_unit(unit, scale, calibration)
     if out.resolve() == source.resolve() or (out / VIDEO).resolve() == source.resolve():
-        raise ValueError(f"--out {out} would overwrite {source}: give another folder")
+        raise ValueError(f"--out {out} would overwrite {source}: use another folder")
     plane_map = shared.parse_plane_map(pixels, positions)
     recording = Recording(
         source, plane_map=plane_map, area=parse_size("--area", area), dt=dt, calibration=calibration

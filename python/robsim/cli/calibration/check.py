@@ -16,13 +16,13 @@ def check(
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits.
 
-    Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue ones are
-    as high as the robot's markers. Floor sheets that stayed since the calibration show a camera
-    that was moved.
+    Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue lines are
+    at the height of the robot's markers. Floor sheets in place since the calibration reveal a moved
+    camera.
 
-    PICTURE: Picture, folder or video: its first one is taken.
+    PICTURE: Picture, folder or video; the first picture is used.
     --calibration FILE: The calibration.
-    --step MM: Distance of the lines in mm. Default: a round one.
+    --step MM: Distance of the lines in mm. Default: a round number.
     --out FILE: The picture to write.
 
     Example: robsim calibrate check floor.png --calibration camera.toml --out check.png
@@ -40,11 +40,11 @@ def check(
     try:
         shifts = sheet_shifts(image, loaded)
     except ImportError as error:
-        errors.print_note(f"floor sheets were not looked for: {error}")
+        errors.print_note(f"floor sheets were not searched: {error}")
     for sheet, shift in shifts.items():
-        errors.say(f"floor sheet {sheet}: {shift:.1f} px from where the calibration saw it")
+        errors.say(f"floor sheet {sheet}: {shift:.1f} px from its place in the calibration")
     if remedy := remedy_of_shifts(shifts):
         errors.print_note(remedy)
     if loaded.marks and not shifts:
-        errors.say("no floor sheet is in the picture that the calibration saw")
+        errors.say("the picture shows no floor sheet of the calibration")
     errors.say(f"written: {out}")

@@ -1,4 +1,4 @@
-"""The command ``robsim calibrate floor``: where a camera looks at the floor from."""
+"""The command ``robsim calibrate floor``: a camera's pose above the floor."""
 
 from __future__ import annotations
 
@@ -37,29 +37,29 @@ def floor(
     out: Path | None = None,
     as_json: Json = False,
 ) -> None:
-    """Calibrate where a camera looks at the floor from.
+    """Calibrate a camera's pose above the floor.
 
-    By printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor, spread
-    over the whole area, and take a picture; nothing need be measured. --place says where the cross
-    of a sheet lies on the area; by default the sheet of the lowest number is the middle of the
-    area, and x points to its right. Or by marks whose places you measured: --marks or --pixels and
-    --positions. Six or more, with a lens five, are checked against each other. The exit status is
-    1 if the result is bad.
+    With printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor,
+    spread over the whole area, and take a picture; no measurement is needed. --place sets the place
+    of a sheet's cross on the area. By default the sheet with the lowest number is the middle of the
+    area, and x points to its right. Or with marks at measured places: --marks or --pixels and
+    --positions. Six or more, with a lens five, are checked against each other. The exit status is 1
+    if the result is bad.
 
     PICTURES: Pictures of the floor, folders of them, or videos; the camera stands still.
     --area WxH: Size of the work area in px.
     --scale MM: A px of the work area in mm on the floor.
-    --marker-height LENGTH: How high the robot's markers are above the floor, such as 80mm; needs a
+    --marker-height LENGTH: Height of the robot's markers above the floor, such as 80mm; needs a
         lens.
-    --calibration FILE: The calibrated lens, of robsim calibrate lens. Default: none, it does not
-        distort.
-    --place N:X,Y: Where the cross of sheet N lies in mm from the top left corner of the area. Can
-        be repeated.
+    --calibration FILE: The lens calibration from robsim calibrate lens. Default: no lens
+        distortion.
+    --place N:X,Y: Place of the cross of sheet N in mm from the top left corner of the area. Can be
+        repeated.
     --marks FILE: Marks as CSV with the columns name, u, v (px), x, y (mm), separated by commas,
-        semicolons or tabs; those of one name are averaged.
+        semicolons or tabs; marks of the same name are averaged.
     --pixels POINTS: Marks in the picture in px: '12,8 630,11 ...'.
     --positions POINTS: Their places on the floor in mm from the top left corner of the area.
-    --out FILE: The calibration to write. Default: that of --calibration, or camera.toml.
+    --out FILE: The calibration to write. Default: the file of --calibration, or camera.toml.
 
     Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 --scale 2
     --marker-height 80mm
@@ -72,16 +72,16 @@ def floor(
         missing = [name for name, one in (("--area", area), ("--scale", scale)) if one is None]
         raise ValueError(
             f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: the size "
-            "of the work area in px, and how many mm of the floor a px is, such as "
+            "of the work area in px, and the length of a px on the floor in mm, such as "
             "--area 1200x1200 --scale 2"
         )
     check_mm_per_px(scale, "--scale")
     height = height_of("--marker-height", marker_height)
     if height and calibration is None:
         raise ValueError(
-            "--marker-height needs a lens, --calibration of robsim calibrate lens: how things "
-            "shift in the picture when they are higher depends on it. Without one, measure "
-            "marks that lie as high as the markers"
+            "--marker-height needs a lens, --calibration of robsim calibrate lens, because the "
+            "shift in the picture depends on the lens. Without a lens, measure "
+            "marks at the height of the markers"
         )
     options = {
         "area": parse_size("--area", area),
@@ -111,15 +111,15 @@ def _calibrated(
         where = dict(_place(text) for text in places)
         return calibrate_floor_by_sheets(images, mark=mark, places=where or None, **options)
     if places:
-        raise ValueError("--place is for sheets, and not for marks")
+        raise ValueError("--place is for sheets, not for marks")
     if not sources and options["lens"] is None:
-        raise ValueError("give a picture of the floor, too: its size is needed without a lens")
+        raise ValueError("without a lens, also give a picture of the floor: its size is needed")
     image = next(pictures_of(sources))[1] if sources else None
     names, seen, where_they_are = marks
     try:
         return calibrate_floor(seen, where_they_are, names=names, picture=image, **options)
     except ImportError as error:
-        errors.print_note(f"floor sheets are not kept in mind: {error}")
+        errors.print_note(f"floor sheets are not stored: {error}")
     size = None if image is None else (image.shape[1], image.shape[0])
     return calibrate_floor(seen, where_they_are, names=names, size=size, **options)
 
@@ -139,7 +139,7 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
     """Return names, pixels and positions; None if no marks are given."""
     if marks is not None:
         if pixels or positions:
-            raise ValueError("--marks has pixels and positions: give these or the file")
+            raise ValueError("--marks has pixels and positions: give either these or the file")
         return _read_marks(marks)
     if (pixels is None) != (positions is None):
         raise ValueError("--pixels and --positions belong together: give both or neither")

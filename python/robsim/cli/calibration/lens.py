@@ -31,20 +31,20 @@ def lens(
     out: Path = Path("camera.toml"),
     as_json: Json = False,
 ) -> None:
-    """Calibrate a lens by pictures of a printed board.
+    """Calibrate a lens with pictures of a printed board.
 
-    Ten to twenty pictures, of the size that the robot will be seen in: hold the board still, tilted
-    by 20 to 45 degrees, each time in another direction, and bring it into all corners of the
-    picture. Pictures are files, folders and videos; or, with --camera, they are taken by themselves
-    whenever the board stands still somewhere new. Photos are read as they lie on the sensor. A
-    ChArUco board tells that pictures are mirrored, a chessboard does not. The exit status is 1 if
-    the result is bad.
+    Take ten to twenty pictures, of the size used later for the robot. Hold the board still, tilted
+    by 20 to 45 degrees, each time in another direction, and cover all corners of the picture.
+    Pictures are files, folders and videos. With --camera, robsim takes them whenever the board
+    stands still at a new place. Photos are read as stored by the sensor, without rotation. A
+    ChArUco board reveals mirrored pictures, a chessboard does not. The exit status is 1 if the
+    result is bad.
 
     PICTURES: Pictures, folders of them, or videos.
     --charuco: The board is a ChArUco board.
     --camera SOURCE: Take the pictures from a live camera: its number or its address.
-    --count N: How many pictures to take by it.
-    --keep FOLDER: Folder for the pictures that it takes.
+    --count N: Number of pictures to take with --camera.
+    --keep FOLDER: Folder for these pictures.
     --out FILE: The calibration to write.
 
     Example: robsim calibrate lens pictures/ --board 9x6 --square 25 --out camera.toml
@@ -63,14 +63,14 @@ def lens(
     report = calibrate_lens(images, pattern, names=names)
     if _has_floor(out):
         errors.print_note(
-            f"{out} had a floor, by the lens that is replaced: calibrate it again "
+            f"the floor in {out} depended on the replaced lens: calibrate the floor again "
             "(robsim calibrate floor)"
         )
     report_and_save(report, out, as_json=as_json)
 
 
 def _has_floor(file: Path) -> bool:
-    """Return whether there is a calibration of a floor in a file, if there is one."""
+    """Return whether a file, if it exists, has a calibration of a floor."""
     from robsim.vision.imaging.calibration_file import load_calibration
 
     try:
@@ -85,7 +85,7 @@ _PATIENCE = 60.0  # s without a new picture
 def taken_pictures(
     camera: str, board: Chessboard | Charuco, count: int, keep: Path | None
 ) -> list[tuple[str, Any]]:
-    """Return names and pictures that a live camera took, and write them to a folder."""
+    """Return names and pictures from a live camera, and write them to a folder."""
     import time
 
     from robsim.cli.sources import _source
@@ -103,7 +103,7 @@ def taken_pictures(
         while len(taken) < count:
             if time.monotonic() - since > _PATIENCE:
                 raise TimeoutError(
-                    f"no board stood still somewhere new for {_PATIENCE:g} s: {len(taken)} of "
+                    f"no board stood still at a new place for {_PATIENCE:g} s: {len(taken)} of "
                     f"{count} pictures were taken"
                 )
             try:
@@ -118,6 +118,6 @@ def taken_pictures(
             if keep is not None:
                 save_image(keep / name, frame.image)
             parts = ", ".join(taker.empty_parts)
-            where = f": still nothing at the {parts}" if parts else ": tilt it another way"
+            where = f": still no board at the {parts}" if parts else ": tilt the board another way"
             errors.print_note(f"{len(taken)} of {count}{where if len(taken) < count else ''}")
     return taken

@@ -1,4 +1,4 @@
-"""Options that the commands of a calibration share, and how their texts are read."""
+"""Options that the commands of a calibration share, and their parsers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Mark = Annotated[
 
 
 def board_of(board: str | None, square: float | None, *, charuco: bool) -> Chessboard | Charuco:
-    """Return the board that --board, --square and --charuco name."""
+    """Return the board described by --board, --square and --charuco."""
     from robsim.lab.calibration.patterns.boards import Charuco, Chessboard
 
     kind = Charuco if charuco else Chessboard
@@ -61,8 +61,8 @@ def height_of(option: str, text: str) -> float:
 def pictures_of(sources: list[Path], most: int = _MOST_OF_VIDEO) -> Iterator[tuple[str, Any]]:
     """Yield names and RGB pictures of image files, folders and videos.
 
-    Of a video, `most` frames at most, evenly spread. What cannot be read, or has another size than
-    the first one, is left out; a warning tells.
+    A video yields `most` frames at most, evenly spread. Unreadable pictures, and those of another
+    size than the first, are skipped with a warning.
     """
     from robsim.vision.imaging.images import check_same_size, frame_size, image_suffixes, load_image
     from robsim.vision.imaging.recordings import Recording, images_in, left_out
@@ -111,7 +111,7 @@ def report_and_save(
 
 
 def check_out(out: Path, suffix: str, option: str = "--out") -> None:
-    """Raise an error of the file to write before the work, not after it."""
+    """Raise an error of the output file before the work, not after it."""
     from robsim.cli.results import check_folder
 
     if out.suffix.lower() != suffix:

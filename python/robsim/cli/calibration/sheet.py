@@ -21,9 +21,9 @@ def sheet(
 ) -> None:
     """Write a sheet to print, as PDF at true scale.
 
-    Print it at 100 %, not 'fit to page', and measure the line of 100 mm on it. chessboard and
-    charuco are for the lens: glue the sheet on something flat. A ChArUco board may reach beyond the
-    picture. floor is for the floor: print several, of different numbers.
+    Print it at 100 %, not 'fit to page', and measure its line of 100 mm. chessboard and charuco are
+    for the lens: glue the sheet on something flat. A ChArUco board may reach beyond the picture.
+    floor is for the floor: print several, with different numbers.
 
     --out FILE: The PDF file to write.
     --kind KIND: chessboard, charuco or floor.
@@ -42,12 +42,12 @@ def sheet(
     if kind == "floor":
         if board or square:
             raise ValueError(
-                "--board and --square are for boards: a floor sheet has --mark, --number"
+                "--board and --square are for boards; a floor sheet has --mark and --number"
             )
         save_sheet(out, FloorSheet(sheet_number, mark), paper=paper)
     else:
         if sheet_number != 1 or mark != 80:
-            raise ValueError("--number and --mark are for floor sheets: give --kind floor, too")
+            raise ValueError("--number and --mark are for floor sheets: add --kind floor")
         save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
     errors.say(f"written: {out}")
     errors.print_note("print it at 100 %, and measure its line of 100 mm")

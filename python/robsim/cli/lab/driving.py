@@ -1,4 +1,4 @@
-"""A live run, until something ends it, and the line on the terminal that shows how it goes."""
+"""A live run, until an event ends it, and its status line on the terminal."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TO_START, _CLEAR = "\r", "\x1b[K"
 class StatusLine:
     """Renews a line on a terminal, and ends the run when its time is over.
 
-    That is so many `seconds` after the first frame. Without a terminal it shows nothing.
+    Time counts `seconds` after the first frame. Without a terminal, no line is shown.
     """
 
     def __init__(self, experiment: Experiment, camera: Camera, seconds: float | None) -> None:
@@ -89,7 +89,7 @@ class StatusLine:
         return "" if recording is None or recording.error is None else "NOT RECORDED  "
 
     def _seen(self, trace: Trace) -> str:
-        """Return the measured pose, or why there is none."""
+        """Return the measured pose, or the reason for a missing one."""
         x, y, heading = trace.pose_measured[-1]
         if not math.isnan(x):
             return f"x {x:4.0f} y {y:4.0f} {math.degrees(heading):+4.0f} deg"
@@ -129,7 +129,7 @@ class CountsReport(Report):
             Quantity("delivered", "used", counts.delivered),
             Quantity("dropped", "replaced by a newer one", counts.dropped),
             Quantity("torn", "torn", counts.torn),
-            Quantity("timeouts", "waits without one", counts.timeouts),
+            Quantity("timeouts", "waits without a frame", counts.timeouts),
         )
 
 
@@ -149,7 +149,7 @@ class LiveRun:
 
     @property
     def reports(self) -> dict[str, Report]:
-        """What there is to say of a live run, besides that of any run."""
+        """The reports specific to a live run."""
         assert self.experiment is not None
         reports: dict[str, Report] = {"camera": CountsReport(counts=self.counts)}
         if trace := self.experiment.trace:
@@ -162,7 +162,7 @@ class LiveRun:
         folder: Path | None,
         options: dict[str, Any],
     ) -> None:
-        """Open camera and line, and run. What goes wrong before the first step is raised."""
+        """Open camera and line, and run. Errors before the first step are raised."""
         try:
             with line as (camera, motors):
                 experiment = self._new_experiment(camera, motors, folder, options)
@@ -188,20 +188,20 @@ class LiveRun:
         return Experiment.from_folder(folder, frames=camera, **options)
 
     def _tell(self, experiment: Experiment, camera: Camera, motors: MotorLink | None) -> None:
-        """Print what is to be known before the robot drives."""
+        """Print the settings before the robot drives."""
         rate = "" if camera.dt is None else f", {1 / camera.dt:.3g} frames/s"
         source = camera.source if isinstance(camera.source, (int, str)) else SIMULATED
         errors.print_note(f"camera {source}: {camera.size[0]} x {camera.size[1]} px{rate}")
         if camera.dt is None:
             errors.print_note(
-                f"the camera does not tell its rate: the model counts on steps of "
-                f"{experiment.model.dt:g} s; --fps says it"
+                f"the camera does not report its rate: the model assumes steps of "
+                f"{experiment.model.dt:g} s; --fps sets the rate"
             )
         if motors is None:
             errors.print_note("nothing is sent: --motors none")
         elif experiment.control.callback is None:
             errors.print_note(
-                "no controller, so nothing is sent: a folder with control.py, or --control, drives"
+                "no controller, so no input is sent: use a folder with control.py, or --control"
             )
         else:
             errors.print_note(

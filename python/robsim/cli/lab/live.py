@@ -16,7 +16,7 @@ from robsim.cli.outcome import finish
 from robsim.cli.text import about, parse_control, parse_size
 from robsim.lab.cameras.camera import Camera
 
-# What a robot of unknown strength may be driven with.
+# Safe limits for a robot of unknown strength.
 _VOLTAGE = 1.5  # V
 _SLEW_RATE = 10.0  # V/s
 
@@ -53,32 +53,32 @@ def live(
     """Drive a robot under a real camera.
 
     Try it without hardware: --camera simulated is a simulated lab in real time. Before a real robot
-    drives: --check. The robot is stopped at the end, by Ctrl-C, when a callback fails and when a
-    frame is late; the results are kept. Without a controller, yours or --control, it is only
-    measured.
+    drives, use --check. The robot is stopped at the end, by Ctrl-C, after an error in a callback
+    and when a frame is late; the results are kept. Without a controller, yours or --control, the
+    robot is only measured.
 
     --camera SOURCE: Number of a camera, such as 0; address, such as firewire://,
         gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of images,
         played at its own rate; or: simulated.
     --motors LINE: Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated =
-        the line of the simulated lab, its default. none = nothing is sent, the default of all other
-        cameras.
-    --check: Only look, for 3 s, while the robot stands: is the camera good enough? The exit status
-        is 1 if it is not.
+        the line of the simulated lab, its default. none = no inputs are sent, the default of all
+        other cameras.
+    --check: Only measure for 3 s, while the robot stands: is the camera good enough? The exit
+        status is 1 if it is not.
     --control NAME[:POINTS]: A built-in controller instead of the folder's, as in robsim run.
     --steps N: Number of steps. Default: until Ctrl-C, or the end of a file.
-    --seconds S: Duration in s, in its place.
+    --seconds S: Duration in s, instead of --steps.
     --max-voltage V: Largest voltage of a motor in V.
     --slew-rate V/S: Largest change of a voltage in V/s.
-    --fps RATE: Frames per second: asked of a camera by number, on FireWire or on GigE; those of
-        another address, which tells none; a folder is played at that rate.
-    --every N: Take only each n-th frame. Default: all, or as many as a step of define_model.py has.
+    --fps RATE: Frames per second: set in a camera with a number, on FireWire or on GigE. Other
+        addresses need their real rate here; a folder is played at that rate.
+    --every N: Use only each n-th frame. Default: all, or as many as a step of define_model.py has.
     --dt SECONDS: 1 / RATE, instead of --fps, in s.
-    --frame-timeout SECONDS: Without a fresh frame for so long, the robot is stopped. Default: three
-        frames, at least 0.1 s, or up to 0.3 s if their jitter needs it.
-    --record/--no-record: Record frames and inputs in a session in the folder --out, to be replayed.
-        Default: yes, but for a file.
-    --lossless: Record the frames without loss.
+    --frame-timeout SECONDS: The robot is stopped after this time without a fresh frame. Default:
+        three frames, at least 0.1 s, or up to 0.3 s if their jitter needs it.
+    --record/--no-record: Record frames and inputs in a session in the folder --out, for replay.
+        Default: yes, except for a file.
+    --lossless: Record the frames with a lossless codec.
 
     Example: robsim live --camera simulated --control go-to-point:900,300 --seconds 15
     """
@@ -92,7 +92,7 @@ def live(
         if folder is not None and not folder.is_dir():
             raise FileNotFoundError(f"there is no folder {folder}: robsim new {folder} writes one")
         if steps is not None and seconds is not None:
-            raise ValueError("--steps and --seconds both end the run: give one of them")
+            raise ValueError("--steps and --seconds both end the run: give only one of them")
         if seconds is not None and not 0 < seconds < float("inf"):
             raise ValueError(f"--seconds must be > 0, got {seconds:g}")
         with about("--max-voltage", "voltage"):
@@ -142,7 +142,7 @@ def live(
 
 @contextmanager
 def _stops_at_signals() -> Iterator[None]:
-    """Let the end of the terminal, and SIGTERM, end a run as Ctrl-C does."""
+    """End a run after the terminal closes, or after SIGTERM, as after Ctrl-C."""
     names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {name: signal.getsignal(getattr(signal, name)) for name in names}
     for name in names:
@@ -155,7 +155,7 @@ def _stops_at_signals() -> Iterator[None]:
 
 
 def _session(out: Path, record: bool | None, camera: str) -> Path | None:
-    """Return a new file for the session; None = the run is not recorded."""
+    """Return a new file for the session; None = not recorded."""
     from robsim.vision.imaging.video import load_opencv
 
     if record is False or (record is None and Path(camera).exists()):
@@ -174,7 +174,7 @@ def _session(out: Path, record: bool | None, camera: str) -> Path | None:
 
 
 def _replay(session: Path, folder: Path | None) -> str:
-    """Return the line of Python that runs a session again."""
+    """Return the line of Python that reruns a session."""
     frames = f"robsim.trace.Session({str(session)!r})"
     if folder is None:
         return f"robsim.Experiment({frames}, control=...).run()"
@@ -193,7 +193,7 @@ def check_and_report(
     from robsim.cli.results import save_figure
     from robsim.lab.rehearsal.camera_check import check_camera
 
-    errors.print_note(f"looking for {_SECONDS:g} s; the robot must stand, and nothing drives it")
+    errors.print_note(f"checking for {_SECONDS:g} s; the robot must stand, and gets no inputs")
     check = check_camera(camera, motors=motors, seconds=_SECONDS, **options)
     out.mkdir(parents=True, exist_ok=True)
     picture = out / _PICTURE

@@ -25,10 +25,10 @@ app = command_group("Start with: robsim sessions video robsim-live/session-1.mca
 
 File = Annotated[Path, "SESSION: File of a session."]
 _SAID = {
-    "whole": "is whole: nothing was done",
-    "completed": "was cut off, and is completed",
+    "whole": "is complete: nothing was done",
+    "completed": "was cut off, and is now complete",
     "in use": "is being written, or cannot be locked: nothing was done",
-    "damaged": "is damaged in another way than by a kill: nothing was done",
+    "damaged": "has damage that a killed writer does not cause: nothing was done",
 }
 
 
@@ -36,9 +36,9 @@ _SAID = {
 def repair(files: list[Path]) -> None:
     """Complete sessions that were cut off, so that all programs open them.
 
-    The torn step at the end is removed, and the index is written. robsim does that, too, when it
-    opens a file at rest for 10 s. The exit status is 1 if one stays damaged, 2 if one cannot be
-    read.
+    The torn step at the end is removed, and the index is written. robsim also does that on opening
+    a file unchanged for 10 s. The exit status is 1 if a file stays damaged, 2 if a file is
+    unreadable.
 
     SESSION: Files of sessions.
 
@@ -60,7 +60,7 @@ def repair(files: list[Path]) -> None:
 
 @command(app)
 def video(session: File, to: Path | None = None) -> None:
-    """Make a video of a session, for players: a frame for each step.
+    """Make a video of a session, for players, with a frame for each step.
 
     A step without a frame shows the last one again.
 

@@ -1,1 +1,1 @@
-"""Commands of simulations: callbacks to write, runs with them, the demonstration."""
+"""Commands of simulations: templates of callbacks, runs, the demonstration."""

@@ -1,4 +1,4 @@
-"""The command ``robsim bench``: timings beside those of OpenCV and numpy."""
+"""The command ``robsim bench``: timings of robsim, OpenCV and numpy."""
 
 from __future__ import annotations
 
@@ -66,16 +66,16 @@ _UNITS = {"ms": 1e3, "us": 1e6}  # per second
 
 @dataclass(frozen=True, kw_only=True)
 class BenchTable(Report):
-    """What was timed; print it."""
+    """The timings; print it."""
 
     title: str = "Median times in one thread"
     quantities: tuple[Quantity, ...] = ()
     tables: tuple[Table, ...] = ()
     remarks: tuple[str, ...] = (
-        "x: how many times as long as robsim; 1200, 480: frames of so many px squared",
-        "step_gaussian: the robot is drawn, 40 % of noise is added, the markers are found",
-        "step_tracked, step_unseen: of a run with frames of 1200 px, and of one without; "
-        "step_controller: without, by a controller in Python",
+        "x: time relative to robsim. 1200, 480: frames of so many px squared",
+        "step_gaussian: draw the robot, add 40 % of noise, find the markers",
+        "step_tracked, step_unseen: steps with frames of 1200 px, and without frames; "
+        "step_controller: without frames, with a controller in Python",
     )
 
 
@@ -106,7 +106,7 @@ def timed(calls: Mapping[str, Call], rounds: int) -> dict[str, float]:
 def _row(
     name: str, calls: Mapping[str, Call], rounds: int, *, unit: str = "ms", repeats: int = 1
 ) -> Row:
-    """Return what a task takes that each call repeats, and how many times ours the others take."""
+    """Return the time of a task that each call repeats, and the others' relative times."""
     times = {who: _UNITS[unit] * each / repeats for who, each in timed(calls, rounds).items()}
     numbers: list[float | None] = [times["ours"]]
     for theirs in map(times.get, _OTHERS):
@@ -119,7 +119,7 @@ def run_bench(
 ) -> BenchTable:
     """Time robsim, OpenCV and numpy: frames of some sizes (px), runs of so many frames or steps.
 
-    ImportError: OpenCV is not installed. RuntimeError: what both give for the same differs.
+    ImportError: OpenCV is not installed. RuntimeError: their results differ.
     """
     check_int("rounds", rounds, minimum=1, maximum=10**6)
     cv2 = load_opencv("the comparison")
@@ -152,7 +152,7 @@ def _frame_rows(cv2: Any, size: int, rounds: int) -> Iterator[Row]:
 
 
 def seen_robot(size: int, noise: GaussianNoise | None = None) -> Simulation:
-    """Return a simulation whose camera has just seen the robot, with smoothing if it is noisy."""
+    """Return a simulation whose camera has just seen the robot, with smoothing for noise."""
     simulation = Simulation(
         robot="lab",
         resolution=(size, size),
@@ -319,7 +319,7 @@ def _noisy_calls(cv2: Any, simulation: Simulation, draw: Mapping[str, Call]) -> 
 
 
 def _again(simulation: Simulation, steps: int) -> Call:
-    """Return what runs a simulation anew."""
+    """Return the call that reruns a simulation."""
 
     def run() -> None:
         simulation.reset()
@@ -333,7 +333,7 @@ def _controller(step: Step) -> tuple[float, float]:
 
 
 def unseen_calls(steps: int) -> dict[str, Call]:
-    """Return the calls that run without frames, after a check that both go the same way."""
+    """Return the calls that run without frames, after a check that their paths agree."""
     simulation = Simulation(
         robot="lab", control=DriveAround(), boundary="unlimited", start=_START, seed=1
     )

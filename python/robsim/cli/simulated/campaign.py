@@ -30,23 +30,23 @@ def campaign(
 ) -> None:
     """Run a simulation many times, over seeds and options, and compare the means.
 
-    The file describes the runs: --example writes one to edit. The table has for each number its
-    mean with a confidence interval and the difference to the first case. It also shows how many
-    more runs decide whether there is a difference.
+    The file describes the runs: --example writes one to edit. The table shows for each number its
+    mean with a confidence interval and the difference to the first case. It also shows the number
+    of further runs that decide whether the difference is real.
 
-    With --store, the same command continues the last one, and one with more --runs adds to them.
-    Any SQLite program can read the file: its view results has all rows.
+    With --store, the same command continues the previous one, and a command with more --runs adds
+    rows. Any SQLite program can read the file: its view results has all rows.
 
-    A run that fails is a row with its error. The exit status is 1 if all did.
+    A failed run is a row with its error. The exit status is 1 if all runs failed.
 
     FILE: The campaign, a TOML file.
     --example FILE: Write an example to a file, and stop.
-    --runs N: Number of runs of each case. Default: as the file says.
+    --runs N: Number of runs of each case. Default: the file's.
     --store FILE: SQLite file that keeps the rows.
-    --by OPTION: Compare its values; may be given twice.
+    --by OPTION: Compare the values of this option; may be given twice.
     --csv FILE: Write all rows to a CSV file.
     --parquet FILE: Write all rows to a Parquet file.
-    --npz FOLDER: Write a file for each case that numpy reads.
+    --npz FOLDER: Write a file for each case, readable with numpy.
 
     Example: robsim campaign --example noise.toml
     """
@@ -88,7 +88,7 @@ def campaign(
 
 
 def _check_exports(*, csv: Path | None, parquet: Path | None, npz: Path | None) -> None:
-    """Raise what cannot be written, before what takes long."""
+    """Raise the errors of unwritable outputs before the long work."""
     from robsim.campaigns.result import check_exports
 
     for file in (csv, parquet):
@@ -104,7 +104,7 @@ def _write_example(file: Path) -> None:
     from robsim.campaigns.spec_file import EXAMPLE as CONTENT
 
     if file.exists():
-        raise FileExistsError(f"{file} exists: give another name")
+        raise FileExistsError(f"{file} exists: use another name")
     write_whole(file, CONTENT.encode())
     errors.say(f"written to {file}: edit it, then run it: robsim campaign {file}")
 

@@ -1,4 +1,4 @@
-"""The command ``robsim demo``: a complete run with figures, to begin with."""
+"""The command ``robsim demo``: a complete run with figures, as a first example."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def demo(
 ) -> None:
     """Drive a robot, track it by camera and estimate its parameters.
 
-    The robot drives around; a noisy camera measures where it is. From these measurements recursive
-    least squares estimates the parameters of its model online, and a batch fit at the end. Both
-    stand beside the true values. Figures and the trace are written to a folder.
+    The robot drives around; a noisy camera measures its pose. From these measurements recursive
+    least squares estimates the parameters of its model online, and a batch fit at the end. The
+    output compares both with the true values. Figures and the trace are written to a folder.
 
     --out FOLDER: Folder for the figures and the trace.
     --steps N: Number of steps, at least 50.
@@ -58,7 +58,7 @@ def _run(out: Path, steps: int, seed: int) -> Results:
 
 
 def simulate_demo(steps: int = 1000, seed: int = 2008, progress: str | bool = False) -> Simulation:
-    """Drive through a noisy camera's view, and estimate from what it measures."""
+    """Drive in view of a noisy camera, and estimate from its measurements."""
     from robsim._core import DriveAround
     from robsim.simulation import Simulation
     from robsim.vision.imaging.noise import GaussianNoise
@@ -84,7 +84,7 @@ def _print_report(report: BatchEstimate) -> None:
     error = np.abs(report.batch - report.theta_true)
     near = np.count_nonzero(error <= 2 * report.standard_errors)
     method = report.method.replace("_", " ")
-    errors.say("online: recursive least squares, biased: the noise is in its regressors, too")
+    errors.say("online: recursive least squares, biased because its regressors are noisy, too")
     errors.say(
         f"batch:  {method}, made for measurement noise: {near} of 15 within two standard errors of "
         "the truth"
@@ -95,7 +95,7 @@ def _table(report: BatchEstimate) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    title = "The robot's parameters, estimated from what the camera measured"
+    title = "The robot's parameters, estimated from camera measurements"
     table = Table(box=SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
     table.add_column("")
     for name, color in (

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from robsim.vision.imaging.recordings import Recording
 
 
-# What there is to see at first, unless a folder or an option says otherwise.
+# The default stages and controller, unless a folder or an option differs.
 _STAGES = {"measure": True, "estimate_parameters": True}
 _CONTROL = "drive-around"
 
@@ -41,28 +41,27 @@ def gui(
 ) -> None:
     """Open the panel in the browser.
 
-    With a folder it runs the callbacks there, and takes in what you change in them. A trace, a
-    session or a video is played back. Without arguments a start page has runs to begin with.
+    With a folder it runs its callbacks, and reloads them after each change. A trace, a session or a
+    video is played back. Without arguments it opens a start page with example runs.
 
-    With --robots it defines a robot instead, with --train it trains colours, with --calibrate it
-    calibrates where a camera looks at the floor from: on a picture, a folder of pictures, a video,
-    a simulation of callbacks; by default on the robot, or an example.
+    With --robots it defines a robot instead. With --train it trains colours. With --calibrate it
+    calibrates a camera's pose above the floor. PATH is then a picture, a folder of pictures, a
+    video, or a simulation of callbacks; by default the robot, or an example.
 
-    It ends when you close its last page, or with Ctrl-C. The run is saved then, and its batch
-    estimate printed; the newest ten runs are kept. Only browsers on this machine can open the
-    page.
+    It ends when you close its last page, or with Ctrl-C. Then it saves the run, and prints its
+    batch estimate; the newest ten runs are kept. Only browsers on this machine can open the page.
 
-    PATH: Folder with your callbacks, as robsim new writes it; or a trace.npz, the folder of a
-        session, a video. For a tool, such as with --train, a picture, too, or a folder of them.
-    --robots: Define a robot with the mouse: picture, outline, markers, heading, size. At first that
-        of --robot, or the default one.
-    --train: Train colours, those of --colors FILE (by default colors.toml), which it writes.
-    --calibrate: Calibrate floor and lens of a camera, in --calibration FILE (by default
-        camera.toml), which it writes.
-    --calibration FILE: With --calibrate: the calibration so far, and its file.
-    --task NAME: The world of a task, with its goal, for the folder of a solution, whose scores it
-        tells at the end; for a trace the goal alone. See robsim tasks list.
-    --speed FACTOR: Multiple of real time, such as 1, or max: as fast as it goes. Default: 5.
+    PATH: Folder with your callbacks, from robsim new; or a trace.npz, the folder of a session, a
+        video. For a tool, such as --train, also a picture or a folder of pictures.
+    --robots: Define a robot with the mouse: picture, outline, markers, heading, size. It starts
+        with the robot of --robot, or the default robot.
+    --train: Train the colours in --colors FILE (by default colors.toml), and write this file.
+    --calibrate: Calibrate floor and lens of a camera, and write --calibration FILE (by default
+        camera.toml).
+    --calibration FILE: With --calibrate: the previous calibration, and its file.
+    --task NAME: The world of a task, with its goal, for the folder of a solution, with scores at
+        the end; for a trace only the goal. See robsim tasks list.
+    --speed FACTOR: Multiple of real time, such as 1, or max = as fast as possible. Default: 5.
     --port N: Port of the page on this machine. [default: any that is free]
     --no-browser: Start no browser, print the address only.
 
@@ -73,13 +72,15 @@ def gui(
     with errors.report_errors(path):
         chosen = {"robots": robots, "train": train, "calibrate": calibrate}
         if calibration is not None and not calibrate:
-            raise ValueError("--calibration is for --calibrate: give that, too")
+            raise ValueError("--calibration is for --calibrate: add --calibrate")
         if tools := [name for name, is_on in chosen.items() if is_on]:
             colors, robot = world.pop("colors"), world.pop("robot")
             of_a_run = {"scenario": scenario, "task": task, "speed": speed, **world}
             of_a_run["time_limit"] = time_limit
             if len(tools) > 1:
-                raise ValueError(f"--{tools[0]} and --{tools[1]} are two tools: give one of them")
+                raise ValueError(
+                    f"--{tools[0]} and --{tools[1]} are two tools: give only one of them"
+                )
             if given := [name for name, value in of_a_run.items() if value is not None]:
                 name = given[0].replace("_", "-")
                 raise ValueError(f"--{name} is for a run: with --{tools[0]} nothing runs")
@@ -104,11 +105,11 @@ def gui(
 
 
 def _task_of(name: str | None, scenario: Path | None) -> Task | None:
-    """Return the task of a name, unless there is a scenario beside it."""
+    """Return the task of a name, unless a scenario is also given."""
     if name is None:
         return None
     if scenario is not None:
-        raise ValueError("--task has a scenario of its own: leave out --scenario")
+        raise ValueError("--task includes a scenario: leave out --scenario")
     from robsim.teach.tasks import task
 
     with about("--task"):
@@ -142,7 +143,7 @@ def _scored(task: Task, trace: Trace) -> str:
 def _tool(
     name: str, path: Path | None, colors: str | None, robot: str | None, calibration: Path | None
 ) -> HostedPanel:
-    """Return the panel that makes something on what a path has."""
+    """Return the panel of a tool for the content of a path."""
     from robsim.gui import color_panel, floor_panel, robot_panel
 
     what: Any = path
@@ -153,7 +154,7 @@ def _tool(
     if name == "calibrate":
         for option, given in (("--colors", colors), ("--robot", robot)):
             if given is not None:
-                raise ValueError(f"{option} is not for --calibrate, which looks at the floor")
+                raise ValueError(f"{option} is not for --calibrate, which uses only the floor")
         return floor_panel(what, file=calibration)
     return color_panel(what, robot=robot, file=Path(colors or "colors.toml"))
 
@@ -167,7 +168,7 @@ def _shown(
         return simulation_of(path, stages | options)
     if options:
         name = next(iter(options)).replace("_", "-")
-        raise ValueError(f"{path} is what has been recorded: --{name} cannot change it")
+        raise ValueError(f"{path} is a recording: --{name} cannot change it")
     return saved
 
 

@@ -11,8 +11,8 @@ from robsim.cli import errors
 def new(folder: Path) -> None:
     """Write the default callbacks to a folder.
 
-    Each file is a stage of the loop: control.py, measure.py, ... Optional stages are switched off:
-    set ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER
+    Each file is a stage of the loop: control.py, measure.py, ... Optional stages are off: set
+    ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER
 
     FOLDER: The folder; created if needed.
 
@@ -23,5 +23,5 @@ def new(folder: Path) -> None:
     files = new_folder(folder)
     errors.say(f"written to {folder}: {', '.join(file.name for file in files)}")
     name = shlex.quote(str(folder))
-    errors.say(f"edit them, then see them drive: robsim gui {name}")
+    errors.say(f"edit them, then watch the robot drive: robsim gui {name}")
     errors.say(f"or run them without a window: robsim run {name}")

@@ -35,7 +35,7 @@ def run(
     robot spins. Ctrl-C ends the run and keeps its results.
 
     --steps N: Number of steps.
-    --record FILE: Video of the camera's frames, as the robot's software gets them: .mkv and .avi
+    --record FILE: Video of the camera's frames, as received by the robot's software: .mkv and .avi
         for measurements.
 
     Example: robsim run mine --steps 300 --measure
@@ -66,7 +66,7 @@ def _check_outputs(out: Path, video: Path | None, record: Path | None) -> None:
 
 
 def run_kept(simulation: Simulation, steps: int, out: Path) -> None:
-    """Run a simulation; if an error ends it early, save the trace up to then."""
+    """Run a simulation; after an error, save the trace of the previous steps."""
     try:
         simulation.run(steps, progress=True)
     except KeyboardInterrupt:
@@ -76,6 +76,6 @@ def run_kept(simulation: Simulation, steps: int, out: Path) -> None:
             out.mkdir(parents=True, exist_ok=True)
             trace.save(out / "cut-short.npz")
             errors.print_note(
-                f"the {len(trace)} steps until then are saved in {out / 'cut-short.npz'}"
+                f"the {len(trace)} steps before the error are saved in {out / 'cut-short.npz'}"
             )
         raise

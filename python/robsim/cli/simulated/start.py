@@ -1,6 +1,6 @@
 """The command ``robsim gui`` without a folder or options of a run: the start page.
 
-Few modules are loaded before the page is shown: the rest is while it is looked at.
+Few modules are loaded before the page appears, and the rest afterwards.
 """
 
 from __future__ import annotations

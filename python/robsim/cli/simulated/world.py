@@ -38,7 +38,7 @@ _PARSERS: dict[str, Callable[[str, str], Any]] = {
 
 
 def takes_world(command: Command) -> Command:
-    """Give a command the options of a world, as its ``**world``; those left out are None."""
+    """Give a command the options of a world, as its ``**world``; missing options are None."""
     signature = inspect.signature(command, eval_str=True)
     parameters = [one for one in signature.parameters.values() if one.kind is not one.VAR_KEYWORD]
     for name in WORLD:
@@ -56,7 +56,7 @@ def options_of(
     scenario: Path | Scenario | None,
     time_limit: float | None,
 ) -> dict[str, Any]:
-    """Return the given options of `Simulation`; the scenario or the folder have the others."""
+    """Return the given options of `Simulation`; the scenario or the folder has the others."""
     from robsim.simulation import Scenario
 
     control = world["control"]
@@ -92,6 +92,6 @@ def _check_quotes(folder: Path | None, control: str | None) -> None:
     """Raise ValueError if a second point was taken for the folder."""
     if control and re.fullmatch(r"-?[\d.]+,-?[\d.]+", str(folder)):
         raise ValueError(
-            f"--control: put quotes around the points, as '{control} {folder}': without them "
+            f"--control: put quotes around the points, as '{control} {folder}'; otherwise "
             f"{folder} is taken for a folder"
         )
