@@ -94,7 +94,7 @@ def test_whiteness():
         assert report.at_limit == (
             abs(report.ljung_box - report.ljung_box_limit) <= np.sqrt(2 * 10)
         )
-        assert report.at_limit == ("varies it by 4.5" in said(report))
+        assert report.at_limit == ("its random spread 4.5" in said(report))
         seen.add((report.is_white, report.at_limit))
     assert seen >= {(True, False), (True, True), (False, True)}
 

@@ -203,9 +203,9 @@ def test_huge_figures_break_neither_filters_nor_reports_nor_plots():
 def test_the_batch_table_says_what_its_standard_errors_do_not_cover():
     trace = simulation(headings=None, identify_from="measurement").run(100)
     tracked = robsim.batch_estimate(trace, method="output_error")
-    assert any("resemble their neighbours" in remark for remark in tracked.remarks)
+    assert any("neighbouring errors are similar" in remark for remark in tracked.remarks)
     true = robsim.batch_estimate(trace, identify_from="truth", method="output_error")
-    assert not any("resemble their neighbours" in remark for remark in true.remarks)
+    assert not any("neighbouring errors are similar" in remark for remark in true.remarks)
 
 
 def test_covariances_of_any_size_and_of_less_than_full_rank():

@@ -1,4 +1,4 @@
-"""Estimates: of parameters, and how good estimates are; reference filters to compare with."""
+"""Estimates of parameters and states, their quality, and reference filters for comparison."""
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 

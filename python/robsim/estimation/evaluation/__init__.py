@@ -1,6 +1,6 @@
-"""The quality of estimates: errors, consistency (NEES, NIS), whiteness; bounds of what is possible.
+"""The quality of estimates: errors, consistency (NEES, NIS), whiteness, and their lower bounds.
 
-A result is a `Report`; a metric of one's own is a subclass of it.
+A result is a `Report`; a custom metric is a subclass of `Report`.
 """
 
 from robsim.base.report import Column, Quantity, Report, Row, Table, percent

@@ -107,7 +107,7 @@ class MarkerView:
 
 
 def _has_corners(polygon: Floats) -> bool:
-    """Whether the outline turns by more at a corner than where corners stand for a curve."""
+    """Whether the outline turns by more at a corner than for corners that approximate a curve."""
     side = np.roll(polygon, -1, axis=0) - polygon
     way = np.arctan2(side[:, 1], side[:, 0])
     turn = (np.roll(way, -1) - way + np.pi) % (2 * np.pi) - np.pi
@@ -186,19 +186,19 @@ def _linear(limits: Floats, half_width: float) -> Floats:
 
 
 def _averaged(values: Floats) -> Floats:
-    """Return the means over a grey level around each, which half a level at both ends lacks."""
+    """Return the means over a grey level around each; at both ends half a level is missing."""
     weights = np.full(_PER_LEVEL + 1, 1 / _PER_LEVEL)
     weights[[0, -1]] /= 2
     return np.convolve(values, weights, mode="valid")
 
 
-_EDGE_WIDTHS = (0.15, 4.0)  # px of the frame, among which that of the frame is
+_EDGE_WIDTHS = (0.15, 4.0)  # px of the frame: the range of the edge width
 _NOTHING = 1e-6  # of a signal; of an area
 _FARTHEST = 1e4  # px, of a corner from the robot's centre
 
 
 class _Robot(Protocol):
-    """A robot definition, as far as the bound needs it."""
+    """The part of a robot definition that the bound needs."""
 
     @property
     def markers(self) -> Mapping[str, Floats]: ...
@@ -208,19 +208,19 @@ class _Robot(Protocol):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasurementBound(Report):
-    """The least error that a measured pose can have: what `measurement_bound` returns.
+    """The least error of a measured pose, from `measurement_bound`.
 
     Attributes
     ----------
     covariance : array (3, 3)
         Least covariance of x, y (work-area px) and heading (rad).
     signal_to_noise : float
-        How far the markers' edges stand out of the noise: poses can be trusted from 4 on.
+        Ratio of the markers' edges to the noise: poses are reliable from 4 on.
     edge_width : float
         Standard deviation of the blur across the edges (px of the frame).
     is_bound : bool
-        False for uniform noise and for none, where only estimates that are linear in the pixels
-        are bounded.
+        False for uniform noise and without noise, where the bound covers only estimates that are
+        linear in the pixels.
     """
 
     covariance: Floats
@@ -240,12 +240,12 @@ class MeasurementBound(Report):
 
     @property
     def title(self) -> str:
-        """What is bounded."""
+        """The kind of bound."""
         return "Least error of a measured pose" if self.is_bound else "Best linear measurement"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The errors, and what they follow from."""
+        """The errors, with the edges' noise ratio and width."""
         width = "blur of the edges, px of the frame"
         return (
             Quantity("rmse_xy", "rmse of the position", self.rmse_xy, "px", ".4f"),
@@ -262,8 +262,8 @@ class MeasurementBound(Report):
         if self.edge_width < 0.9 * _EDGE_WIDTHS[1]:
             return ()
         return (
-            f"no blur up to {_EDGE_WIDTHS[1]:g} px fits the markers' edges: is the frame that "
-            "blurred, or the robot not at this pose?",
+            f"no blur up to {_EDGE_WIDTHS[1]:g} px fits the markers' edges: check the frame's "
+            "sharpness, and whether the robot is at this pose",
         )
 
 
@@ -278,25 +278,25 @@ def measurement_bound(
     *,
     noise: Noise | None = None,
 ) -> MeasurementBound:
-    """Return the least error of a pose that is measured by the robot's markers.
+    """Return the least error of a pose measured from the robot's markers.
 
-    It is what the pixels of the markers and around them tell if nothing else is known: neither
-    how bright the markers and the floor beside each are, nor how blurred the picture is; the rest
-    of the robot does not count.
+    The bound uses only the pixels of the markers and around them. The brightness of the markers and
+    of the floor next to each, and the blur of the picture, are unknown; the rest of the robot does
+    not count.
 
     Parameters
     ----------
     frame : Frame
-        It tells brightness, contrast and blur, and its plane map the scale: one without noise, or
-        with little. Of 40 % and markers of 10 px the bound comes out twice as large.
+        The source of brightness, contrast, blur, and scale (with its plane map): a frame without
+        noise, or with little. With 40 % and markers of 10 px the bound is twice too large.
     pose : array (3,)
-        Where the robot is in it: x, y (work-area px), heading (rad).
+        Pose of the robot in the frame: x, y (work-area px), heading (rad).
     robot : RobotDefinition or sequence of array (N, 2)
         The robot; or the polygons of its markers in the robot's frame: forward, right
         (work-area px from its centre).
     noise : GaussianNoise, UniformNoise or None
-        The camera's noise, rounded and clipped to 0..255 as by its method `add`. None: rounding
-        alone.
+        The camera's noise, rounded and clipped to 0..255 as by its method `add`. None: only
+        rounding.
 
     Returns
     -------
@@ -315,8 +315,8 @@ def measurement_bound(
         mu = level_kc + contrast_kc K
 
     K is the integral over the marker of a normal distribution around the pixel [2]_. For a polygon
-    that stands for a curve it is Phi(d / w), d px within the edge. The standard deviation w of the
-    blur, and all levels and contrasts are unknown as the pose is. With the information J(mu) of a
+    for a curve it is Phi(d / w), d px within the edge. The standard deviation w of the blur, and
+    all levels and contrasts are as unknown as the pose. With the information J(mu) of a
     pixel the pose has the information
 
         N = sum_ic J(mu_ic) g_ic g_ic',   g_ic = d mu_ic / d(pose, ln w, levels, contrasts)
@@ -347,7 +347,7 @@ def measurement_bound(
     place = as_float_array("pose", pose)
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ValueError(f"pose must be 3 finite numbers (px, px, rad), got {quoted(pose)}")
-    as_native_noise(noise)  # raises if it is none
+    as_native_noise(noise)  # raises for another type
     return SeenMarkers(frame, place, marker_polygons(robot)).bound(noise)
 
 
@@ -372,7 +372,7 @@ class SeenMarkers:
                 strength += float(weight @ (contrast * density(view.depth / width)) ** 2)
         if strength < _NOTHING:
             raise ValueError(
-                "frame must show markers that differ from what is around them, got a signal to "
+                "frame must show markers that differ from their surroundings, got a signal to "
                 f"noise of {math.sqrt(strength):.1f} at the pose {quoted(self._pose.tolist())}"
             )
         return MeasurementBound(
@@ -384,7 +384,7 @@ class SeenMarkers:
 
 
 def _inverse(information: Floats) -> Floats:
-    """Return the covariance; ValueError where the markers do not tell the whole pose."""
+    """Return the covariance; ValueError if the markers do not determine the whole pose."""
     try:
         covariance = np.linalg.inv(information)
     except np.linalg.LinAlgError:
@@ -393,8 +393,8 @@ def _inverse(information: Floats) -> Floats:
     # Rounding errors make an enormous variance of an infinite one, or a negative one.
     if not ((variances >= 0) & (variances < _FARTHEST**2)).all():
         raise ValueError(
-            "robot must have markers from which place and heading follow, got edges in the frame "
-            "that look the same in other poses, as a single straight one, or are lost in the noise"
+            "robot must have markers that determine place and heading, got edges in the frame "
+            "that look the same in other poses, such as one straight edge, or are lost in the noise"
         )
     return np.asarray(covariance, np.float64)
 
@@ -412,7 +412,7 @@ def marker_polygons(robot: Any) -> list[Floats]:
 
 
 def _checked_polygon(polygon: Floats) -> Floats:
-    """Return a marker's polygon; ValueError if it is none, or beyond all pictures."""
+    """Return a marker's polygon; ValueError for another type, or beyond all pictures."""
     given = quoted(polygon.tolist())
     is_polygon = polygon.ndim == 2 and polygon.shape[1] == 2 and len(polygon) >= 3
     if not is_polygon or not np.isfinite(polygon).all():
@@ -441,7 +441,7 @@ def _edge_width(views: Sequence[MarkerView]) -> float:
 
 
 def _without_levels(change: Floats, basis: Floats, weight: Floats) -> Floats:
-    """Return the information that is left if level and contrast must be found, too (4, 4)."""
+    """Return the remaining information if level and contrast are unknown, too (4, 4)."""
     weighted = weight[:, np.newaxis] * basis
     cross = change.T @ weighted
     # N - C B^-1 C'

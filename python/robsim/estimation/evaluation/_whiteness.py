@@ -28,9 +28,9 @@ class WhitenessReport(Report):
     Attributes
     ----------
     autocorrelation : array (L, n)
-        Of the n components of the innovation, at the lags 1..L; NaN where there are no pairs.
+        For the n components of the innovation, at the lags 1..L; NaN without pairs.
     pairs : array (L, n) of int
-        Number of pairs of steps that each autocorrelation is computed from.
+        Number of pairs of steps for each autocorrelation.
     ljung_box : float
         The Ljung-Box statistic, summed over the n components.
     p_value : float
@@ -38,8 +38,8 @@ class WhitenessReport(Report):
 
     Notes
     -----
-    With the default number of lags, 4 to 7 % of white innovations of 20 to 1000 steps fail, with
-    one to three components, with gaps, in one run or several; 15 to 25 % are at the limit
+    Of white innovations of 20 to 1000 steps 4 to 7 % fail with the default number of lags. This
+    holds for one to three components, with gaps, in one run or several. At the limit are 15 to 25 %
     (tests/statistics/RESULTS.md).
 
     Examples
@@ -68,17 +68,17 @@ class WhitenessReport(Report):
 
     @property
     def is_white(self) -> bool:
-        """Whether the p-value is at least 0.05; about 5 % of the right filters fail by design."""
+        """Whether the p-value is at least 0.05; about 5 % of correct filters fail by design."""
         return self.p_value >= _LEVEL
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Of the chi-square distribution of `ljung_box`: also its mean, half its variance."""
+        """Degrees of freedom of `ljung_box`: also its mean, half its variance."""
         return int(np.count_nonzero(self.pairs))
 
     @property
     def ljung_box_limit(self) -> float:
-        """A larger `ljung_box` is not white."""
+        """The limit of `ljung_box`; a larger value is not white."""
         return chi_square_quantile(_LEVEL, self.degrees_of_freedom)
 
     @property
@@ -93,7 +93,7 @@ class WhitenessReport(Report):
 
     @property
     def title(self) -> str:
-        """What was tested."""
+        """The tested innovation and lags."""
         return f"Innovation, lags 1..{len(self.autocorrelation)}"
 
     @property
@@ -116,21 +116,21 @@ class WhitenessReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is expected, and what the verdict hangs on where it is at the limit."""
+        """The expectation, and the deciding numbers at the limit."""
         expected = (
-            "white: the p-value is at least 0.05; of a white innovation about 5 % of the "
+            "white: the p-value is at least 0.05; for a white innovation about 5 % of the "
             "autocorrelations are outside"
         )
         return (*self.edge_remarks, expected)
 
     @property
     def edge_remarks(self) -> tuple[str, ...]:
-        """What the verdict hangs on, where it is at the limit."""
+        """The deciding numbers, if the verdict is at the limit."""
         if not self.at_limit:
             return ()
         return (
-            f"white or not is at the limit: the Ljung-Box statistic is {self.ljung_box:.3g}, its "
-            f"limit {self.ljung_box_limit:.3g}, and chance alone varies it by {self._spread:.2g}",
+            f"the whiteness is at the limit: the Ljung-Box statistic is {self.ljung_box:.3g}, its "
+            f"limit {self.ljung_box_limit:.3g}, and its random spread {self._spread:.2g}",
         )
 
 
@@ -141,7 +141,7 @@ def whiteness(
 
     Parameters
     ----------
-    innovation : array (N, n) or (M, N, n)
+    N steps, or M independent runs of N steps; NaN = not seen: such a step belongs to no pair.
         N steps, or M independent runs of N steps; NaN = not seen: such a step is in no pair.
     S : array (n, n) or (..., N, n, n), optional
         The innovation covariance. With it the n components are decorrelated first.
@@ -169,7 +169,7 @@ def whiteness(
 
     Without gaps this is the statistic of Ljung and Box, On a measure of lack of fit in time series
     models, Biometrika 65(2), 1978. The number of lags follows Hyndman and Athanasopoulos,
-    Forecasting: Principles and Practice, 5.4, 2021, but for a tenth in place of their fifth.
+    Forecasting: Principles and Practice, 5.4, 2021, but with a tenth instead of their fifth.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def _default_lags(w: Floats) -> int:
 
 
 def _autocorrelation(w: Floats, lags: int) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
-    """Return the autocorrelations, the numbers of pairs, and those of the known values."""
+    """Return the autocorrelations, the numbers of pairs, and of known values."""
     known = ~np.isnan(w)
     count = np.asarray(np.count_nonzero(known, axis=(0, 1)))
     w = np.where(known, w, 0.0)
@@ -268,8 +268,9 @@ def _whitened_rows(
 def standard_error_of_mean(values: Floats) -> float:
     """Return the standard error of the mean of a series (N,) whose neighbours are correlated.
 
-    It is taken for stationary; NaN = not known, and left out. The result is NaN for fewer than two
-    values. With the autocovariances c_k of N values, and the pairs G_j = c_2j + c_2j+1 up to the
+    The series is assumed stationary; NaN = not known, and left out. The result is NaN for fewer
+    than two values. With the autocovariances c_k of N values, and the pairs G_j = c_2j + c_2j+1 up
+    to the
     last that is positive in a row::
 
         variance of the mean = (2 sum_j G_j - c_0) / N, at least c_0 / N

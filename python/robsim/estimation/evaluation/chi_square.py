@@ -18,7 +18,7 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
     ----------
     n : int
         Degrees of freedom: 3 for the NEES of a pose, 2 for the NIS of a position.
-    runs : int or array (...) of int
+    Number of independent values in the average; 0 = no values.
         Number of independent values that are averaged; 0 = none.
     level : float
         Probability that a value lies in the band.
@@ -35,13 +35,13 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
 
     Notes
     -----
-    The sum of n squares of M runs has n M degrees of freedom, so with c = (1 - level)/2 the limits
-    are the quantiles c and 1 - c of chi2(n M), divided by M. Source: Bar-Shalom, Li and
+    The sum of n squares of M runs has n M degrees of freedom. With c = (1 - level)/2 the limits are
+    thus the quantiles c and 1 - c of chi2(n M), divided by M. Source: Bar-Shalom, Li and
     Kirubarajan, Estimation with Applications to Tracking and Navigation, 5.4.2, 2001.
 
     Examples
     --------
-    Of 100 runs, the mean NEES of a consistent filter of poses lies here with probability 0.95:
+    Over 100 runs, a consistent pose filter has its mean NEES in this band with probability 0.95:
 
     >>> robsim.estimation.chi_square_band(3, runs=100).round(2)
     array([2.54, 3.5 ])
@@ -70,7 +70,7 @@ def chi_square_quantile(probability: float, n: int) -> float:
 
 
 def chi_square_tail(value: float, n: int) -> float:
-    """Return how probable it is that chi-square (n degrees of freedom) exceeds a value."""
+    """Return the probability that chi-square (n degrees of freedom) exceeds a value."""
     from scipy.special import chdtrc
 
     return float(chdtrc(n, value))

@@ -1,4 +1,4 @@
-"""Consistency of a filter: whether its errors agree with the covariance that it reports."""
+"""Consistency of a filter: agreement of its errors with its reported covariance."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from robsim.estimation.evaluation.chi_square import chi_square_band
 from robsim.estimation.evaluation.errors import as_runs, mean_of_known, wrapped_error
 from robsim.trace import Trace
 
-#: Level of the bands that a filter is judged by, whatever band is shown.
+#: Level of the bands for the verdict, also if another band is shown.
 JUDGED_LEVEL = 0.95
 
-#: A filter with a smaller fraction of its steps in that band of the NEES is inconsistent.
+#: A filter with a smaller fraction of its steps in this band of the NEES is inconsistent.
 FRACTION_IN_BAND = 0.8
 
 #: With fewer runs the NEES does not reveal a conservative filter.
@@ -99,7 +99,7 @@ def _squares(white: Floats) -> Floats:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ConsistencyReport(Report):
-    """Whether a filter's errors are as large as it reports.
+    """Agreement of a filter's errors with its reported covariance.
 
     Attributes
     ----------
@@ -108,13 +108,13 @@ class ConsistencyReport(Report):
     n : int
         Degrees of freedom of one value, which is also its expected mean.
     values : array (N,)
-        Mean over the runs at each step, NaN where none is known.
+        Mean over the runs at each step, NaN without a known value.
     counts : array (N,) of int
         Number of runs with a value at each step.
     means : array (M,)
-        Mean over the steps of each run, NaN where none is known.
+        Mean over the steps of each run, NaN without a known value.
     level : float
-        Fraction of the values that should lie in the band that is shown.
+        Fraction of the values expected in the displayed band.
     band : array (N, 2)
         Two-sided chi-square band of each step, wider where fewer runs have a value.
     whiteness : WhitenessReport or None
@@ -122,35 +122,36 @@ class ConsistencyReport(Report):
     k : array (N,) of int
         Number of each step.
     drawn_headings : int or None
-        Number of headings that the robot was drawn in, if that is known.
+        Number of drawn headings of the robot, if known.
 
     Notes
     -----
-    The NIS of a consistent filter is white: its mean over all steps must lie in the chi-square
-    band of that mean, which by design 5 % of the consistent filters miss.
+    The NIS of a consistent filter is white: its mean over all steps must lie in its chi-square
+    band, which 5 % of consistent filters miss by design.
 
-    The NEES is not white, since the errors of neighbouring steps are correlated, so the variance
-    of its mean over time is larger than that of chi-square. For a correctly tuned Kalman filter of
-    position and velocity that mean misses its band in 29 % of the trials (7 to 56 %, more for a
-    filter with a longer memory), and in 99 % some step lies outside its own band. Therefore at
-    least 80 % of the steps must lie in their bands; and from 20 runs on the mean must not be off
-    by more than 10 % and 4 of its standard errors. These come from the spread between the runs,
-    which correlation in time does not affect. The verdict is that of the 95 % band, whatever
-    `level` is shown.
+    The NEES is not white, since the errors of neighbouring steps are correlated. So the variance of
+    its mean over time is larger than for chi-square. For a correctly tuned Kalman filter of
+    position and velocity that mean misses its band in 29 % of the trials. The range is 7 to 56 %,
+    more for a filter with a longer memory. In 99 % some step lies outside its own band. Therefore
+    at least 80 % of the steps must lie in their bands. From 20 runs on, the mean must also not be
+    off by more than 10 % and 4 of its standard errors. These come from the spread between the runs,
+    which correlation in time does not affect. The verdict always uses the 95 % band, for each
+    displayed `level`.
 
-    A verdict is at the limit if it would be another one with a share, or a mean, that is better or
-    worse by its standard error. That of the share comes from its autocorrelation in time. Of right
-    filters over 20 runs 1 to 10 % are called so, of filters of which half are rejected 40 to 80 %;
-    of right filters by their NIS 25 to 40 %, since its limits are only 1.96 standard deviations
-    off. All rates, measured anew by ``./run study statistics``: tests/statistics/RESULTS.md.
+    A verdict is at the limit if the share or the mean, better or worse by its standard error, would
+    change it. The standard error of the share comes from its autocorrelation in time. Of correct
+    filters over 20 runs, 1 to 10 % are at the limit. Of filters with a rejection rate of one half,
+    40 to 80 % are. By their NIS 25 to 40 % of correct filters are at the limit, since its limits
+    are only 1.96 standard deviations off. ``./run study statistics`` measures all rates:
+    tests/statistics/RESULTS.md.
 
-    In trials of that filter with four levels of process noise and 100 to 500 steps, over 20 runs
-    this test rejected 1 of 1200 correctly tuned filters, and 4799 of 4800 with Q or R wrong by a
-    factor of 4 either way. On a single run it rejected 3 of 4800 correctly tuned ones, 42 to 75 %
-    of those with a Q too small by 4, 63 to 100 % of those with an R too small, and none with a Q
-    or R too large: errors that are smaller than reported lie in the wide band of a single run. The
-    NIS of a single run rejected each wrong R there, and 8 to 100 % of the wrong Q, more where Q is
-    larger relative to R.
+    Trials of that filter had four levels of process noise and 100 to 500 steps. Over 20 runs this
+    test rejected 1 of 1200 correctly tuned filters. It rejected 4799 of 4800 with Q or R wrong by a
+    factor of 4 either way. On a single run it rejected 3 of 4800 correctly tuned filters. It
+    rejected 42 to 75 % with a Q too small by 4, and 63 to 100 % with an R too small. It rejected 0
+    with a Q or R too large: errors smaller than reported lie in the wide band of a single run. The
+    NIS of a single run rejected each wrong R there. It rejected 8 to 100 % of the wrong Q, more
+    with a larger Q relative to R.
 
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation,
     5.4, 2001.
@@ -186,7 +187,7 @@ class ConsistencyReport(Report):
 
     @property
     def mean(self) -> float:
-        """Mean of all known values; n is expected, NaN = none is known."""
+        """Mean of all known values; n is expected, NaN = no known value."""
         known = self.counts > 0
         total = int(self.counts.sum())
         return float(np.sum(self.values[known] * self.counts[known])) / total if total else np.nan
@@ -212,7 +213,7 @@ class ConsistencyReport(Report):
 
     @property
     def share(self) -> float:
-        """Fraction of the known steps in the 95 % band, by which a NEES is judged."""
+        """Fraction of the known steps in the 95 % band, which decides about a NEES."""
         return mean_of_known(self._is_inside, axis=0).item()
 
     @property
@@ -222,7 +223,7 @@ class ConsistencyReport(Report):
 
     @property
     def _is_inside(self) -> Floats:
-        """1 for a step in the 95 % band, 0 for one outside, NaN where nothing is known, (N,)."""
+        """1 for a step in the 95 % band, 0 outside, NaN for an unknown value, (N,)."""
         low, high = self._judged_band.T
         inside = (self.values >= low) & (self.values <= high)
         return np.where(self.counts > 0, inside.astype(np.float64), np.nan)
@@ -263,11 +264,11 @@ class ConsistencyReport(Report):
 
     @property
     def at_limit(self) -> bool:
-        """Whether the verdict would be another one with the judged numbers a standard error off."""
+        """Whether a change of the decisive numbers by a standard error changes the verdict."""
         return bool(self.counts.any()) and self._passes(1.0) != self._passes(-1.0)
 
     def _passes(self, better: float = 0.0) -> bool:
-        """Return whether the filter passes if its numbers are better by so many standard errors."""
+        """Return whether the filter passes with its numbers better by so many standard errors."""
         return self._share_passes(better) and self._mean_passes(better)
 
     def _share_passes(self, better: float) -> bool:
@@ -298,14 +299,14 @@ class ConsistencyReport(Report):
 
     @property
     def title(self) -> str:
-        """What was tested."""
+        """The tested value, runs and steps."""
         runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
         steps = "1 step" if len(self.values) == 1 else f"{len(self.values)} steps"
         return f"{self.kind} of {runs} of {steps}"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The mean, what is expected of it, and the fractions of the steps in the band."""
+        """The mean, its expectation, and the fractions of the steps in the band."""
         band = f"{percent(self.level, 0)} band"
         return (
             Quantity("mean", f"mean {self.kind}", self.mean, format=".3g"),
@@ -329,7 +330,7 @@ class ConsistencyReport(Report):
                 "its standard error",
                 error,
                 format=".2g",
-                missing="not known from one run",
+                missing="unknown for a single run",
             ),
             Quantity("expected_mean", "mean expected", self.n, format="g"),
         )
@@ -348,29 +349,32 @@ class ConsistencyReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the verdict means."""
+        """The meaning of the verdict."""
         remarks = [_MEANING[self.verdict]]
         if self.at_limit:
-            remarks.append(f"at the limit, so that other runs may say otherwise: {self._edge}")
+            remarks.append(
+                f"at the limit, so that other runs may give another verdict: {self._edge}"
+            )
         if self.kind == "NEES" and self.verdict != "not known":
             remarks.append(
-                f"of a consistent filter at least {percent(FRACTION_IN_BAND, 0)} of the steps lie "
+                f"a consistent filter has at least {percent(FRACTION_IN_BAND, 0)} of the steps "
                 f"in the {percent(JUDGED_LEVEL, 0)} band"
             )
             if self.runs < MINIMUM_RUNS and self.verdict == "consistent":
                 remarks.append(
-                    f"a conservative filter shows only over {MINIMUM_RUNS} runs, or by its NIS"
+                    f"a conservative filter is visible only over {MINIMUM_RUNS} runs, or by its NIS"
                 )
         if self.kind == "NEES" and self.drawn_headings is not None:
             remarks.append(
-                f"the robot was drawn in {self.drawn_headings} headings, at whole pixels: its "
-                "measured poses have errors that are limited, and alike from step to step, so that "
+                f"the robot was drawn in {self.drawn_headings} headings, at whole pixels: the "
+                "errors of "
+                "its measured poses are bounded and similar from step to step, so that "
                 "a mean of 2 to 3 is usual"
             )
         if self.kind == "NEES" and self.verdict == "conservative" and self.drawn_headings is None:
             remarks.append(
-                "in frames without noise the errors of measured poses are no noise, and their "
-                "covariance is stated with reserve: a mean of 1 to 3 is usual there"
+                "in frames without noise the errors of measured poses are not random, and their "
+                "covariance is cautious: a mean of 1 to 3 is usual there"
             )
         if self.whiteness is not None:
             remarks += self.whiteness.edge_remarks
@@ -378,11 +382,11 @@ class ConsistencyReport(Report):
 
     @property
     def _edge(self) -> str:
-        """What the verdict hangs on, and its spread."""
+        """The deciding numbers of the verdict, and their spread."""
         if self.kind == "NIS":
             return (
-                f"the mean NIS of a right filter varies by {self._nis_spread:.2g}, and this one is "
-                f"as near to {interval(self.mean_band)}, the band expected"
+                f"the mean NIS of a correct filter varies by {self._nis_spread:.2g}, and this one "
+                f"is as close to the limits of the expected band, {interval(self.mean_band)}"
             )
         if self._share_passes(1.0) != self._share_passes(-1.0):
             return (
@@ -397,9 +401,9 @@ class ConsistencyReport(Report):
 
 
 _MEANING = {
-    "consistent": "the errors are as large as the covariance says",
-    "optimistic": "the errors are larger than the covariance says: the filter is too sure",
-    "conservative": "the errors are smaller than the covariance says: the filter could be surer",
+    "consistent": "the errors are as large as the covariance reports",
+    "optimistic": "the errors are larger than the covariance reports: the filter is too sure",
+    "conservative": "the errors are smaller than the covariance reports: the filter could be surer",
     "not known": "no step has both an error and a covariance",
 }
 
@@ -416,8 +420,7 @@ def nees_consistency(
     covariance : array (..., N, n, n) or (n, n)
         The covariance that the filter reports.
     level : float
-        Fraction of the values that should lie in the band that is shown; the verdict is that of
-        95 %.
+        Fraction of the values expected in the displayed band; the verdict uses 95 %.
 
     Returns
     -------
@@ -448,7 +451,7 @@ def nis_consistency(
 ) -> ConsistencyReport:
     """Return the consistency of a filter from its innovations (NIS), without the truth.
 
-    So it works for a real robot, too.
+    The test also works for a real robot.
 
     Parameters
     ----------
@@ -457,8 +460,7 @@ def nis_consistency(
     S : array (..., N, n, n) or (n, n)
         The innovation covariance that the filter reports.
     level : float
-        Fraction of the values that should lie in the band that is shown; the verdict is that of
-        95 %.
+        Fraction of the values expected in the displayed band; the verdict uses 95 %.
 
     Returns
     -------
@@ -495,8 +497,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
     traces : Trace or sequence of Trace
         One run, or several of the same steps with different seeds.
     level : float
-        Fraction of the values that should lie in the band that is shown; the verdict is that of
-        95 %.
+        Fraction of the values expected in the displayed band; the verdict uses 95 %.
 
     Returns
     -------
@@ -529,7 +530,7 @@ def pose_consistency(traces: Trace | Sequence[Trace], *, level: float = 0.95) ->
 
 
 def _headings_of(runs: Sequence[Trace]) -> int | None:
-    """Return the number of headings that robots were drawn in, and measured; None: any."""
+    """Return the number of drawn headings of measured robots; None: any."""
     drawn = {trace.info.headings for trace in runs}
     is_one = len(drawn) == 1 and all(trace.is_tracked for trace in runs)
     return drawn.pop() if is_one else None

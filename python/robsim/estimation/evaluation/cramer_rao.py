@@ -97,7 +97,7 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
     Returns
     -------
     array (N, 3, 5)
-        Row k: the bound from the samples up to step k; inf = not excited until then. Draw it with
+        Row k: the bound from the samples up to step k; inf = no excitation yet. Draw it with
         ``robsim.plot_parameters(trace, standard_errors=...)``.
 
     Raises
@@ -107,8 +107,8 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
 
     Notes
     -----
-    For noise of the measurement this is no bound: with the sigma of one-step prediction errors it
-    is the least error of least squares. Output error may be 100 times as exact.
+    For measurement noise this is no bound: with the sigma of one-step prediction errors it is the
+    least error of least squares. Output error may be 100 times as exact.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def posterior_cramer_rao_bound(
     -----
     The recursion for the information J of Tichavsky, Muravchik and Nehorai, Posterior Cramér-Rao
     bounds for discrete-time nonlinear filtering, IEEE Trans. Signal Processing 46(5), 1998, for
-    additive Gaussian noise, and with the expectations replaced by the values at one trajectory::
+    additive Gaussian noise, with the expectations replaced by the values along one trajectory::
 
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
@@ -178,7 +178,7 @@ def posterior_cramer_rao_bound(
 
     Examples
     --------
-    A constant that is measured four times:
+    A constant with four measurements:
 
     >>> one = np.eye(1)
     >>> bound = robsim.estimation.posterior_cramer_rao_bound(
@@ -214,7 +214,7 @@ def _with_measurement(P: Floats, H: Floats, R: Floats) -> Floats:
         K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
     except np.linalg.LinAlgError:
         raise ValueError(
-            f"R must be such that H P H' + R has an inverse in every step, got {quoted(R.tolist())}"
+            f"R must make H P H' + R invertible in every step, got {quoted(R.tolist())}"
         ) from None
     I_KH = np.eye(len(P)) - K @ H
     bound: Floats = I_KH @ P @ I_KH.T + K @ R @ K.T
@@ -227,8 +227,7 @@ def _seen_steps(F: Floats, seen: ArrayLike | None) -> NDArray[np.bool_]:
     steps = np.asarray(seen)
     if steps.ndim != 1 or steps.dtype != bool or not len(steps):
         raise ValueError(
-            f"seen must be an array (N,) of bool, which is needed for an F of (n, n), "
-            f"got {quoted(seen)}"
+            f"seen must be an array (N,) of bool, required for an F of (n, n), got {quoted(seen)}"
         )
     return steps
 
@@ -246,15 +245,15 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Parameters
     ----------
     trace : Trace
-        The run, without a bounce. If it was tracked, only the steps with a measurement count as
+        The run, without a bounce. In a tracked run only the steps with a measurement count as
         measured, otherwise all.
     Q : array (3, 3)
-        Covariance of the process noise of the pose in each step; 0 for a run without any.
+        Covariance of the process noise of the pose in each step; 0 for a run without process noise.
     R : array (3, 3)
         Covariance of the noise of a measured pose.
     P0 : array (3, 3) or (6, 6)
-        Covariance of the first pose before its measurement: of a robot that stands still, or of
-        the first pose together with the one before it.
+        Covariance of the first pose ahead of its measurement, for a robot at rest; or of the first
+        pose together with the previous pose.
 
     Returns
     -------
@@ -270,7 +269,7 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Notes
     -----
     The state is (pose(k), pose(k-1)), the model is `RobotModel` with the true parameters; see
-    `posterior_cramer_rao_bound`. Since the model is nonlinear, the bound is that along this path.
+    `posterior_cramer_rao_bound`. The model is nonlinear, so the bound holds only along this path.
 
     Examples
     --------
@@ -286,7 +285,7 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
         step = int(trace.k[1:][trace.bounced[1:]][0])
         raise ValueError(
             f"trace must have no bounce, which the model does not cover, got one at step {step}: "
-            'take a part, trace[a:b], or run with boundary="unlimited"'
+            'use a part, trace[a:b], or run with boundary="unlimited"'
         )
     start = as_float_array("P0", P0)
     if start.shape == (3, 3):

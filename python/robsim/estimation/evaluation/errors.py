@@ -31,7 +31,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     Returns
     -------
     array (..., n)
-        The error; that of an angle lies in (-pi, pi].
+        The error; angles lie in (-pi, pi].
 
     Raises
     ------
@@ -71,9 +71,9 @@ class ErrorReport(Report):
     Attributes
     ----------
     source : str
-        What is compared with the truth: ``"estimate"``, ``"measurement"`` or a name of your own.
+        Name of the compared data: ``"estimate"``, ``"measurement"`` or your own name.
     error : array (M, N, n)
-        Estimate minus truth of M runs of N steps, NaN where one of them is not known.
+        Estimate minus truth of M runs of N steps, NaN if one of them is not known.
     reported_sd : array (M, N, n) or None
         The standard deviations that the estimator reports, if any.
     names, units : tuple of n str
@@ -88,7 +88,8 @@ class ErrorReport(Report):
     Notes
     -----
     The root mean square error of a single run is random itself. For a Kalman filter its standard
-    deviation is about 10 %, that of the mean of 20 runs 2.5 %: compare filters over many runs.
+    deviation is about 10 %, and the standard deviation of the mean of 20 runs 2.5 %: compare
+    filters over many runs.
 
     Examples
     --------
@@ -108,7 +109,7 @@ class ErrorReport(Report):
 
     @property
     def title(self) -> str:
-        """What is compared with the truth."""
+        """The compared data."""
         runs = "" if len(self.error) == 1 else f" over {len(self.error)} runs"
         return f"{self.source[:1].upper()}{self.source[1:]} minus truth{runs}"
 
@@ -161,12 +162,12 @@ class ErrorReport(Report):
 
     @property
     def few_steps(self) -> NDArray[np.bool_]:
-        """The few steps (M, N) that stand out of the error: up to 3 % make half of its squares."""
+        """The few steps (M, N) that dominate the error: up to 3 % make half of its squares."""
         return np.asarray(few_steps(self.error).any(axis=-1))
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The steps that make the errors, and the measurement in the same steps."""
+        """The dominant steps, and the measurement in the same steps."""
         return (*self._on_few_steps(), *self._on_measurement())
 
     def _on_few_steps(self) -> Iterator[str]:
@@ -236,7 +237,7 @@ def _rmse(error: Floats) -> Floats:
 
 
 def mean_of_known(values: Floats, axis: int | tuple[int, ...]) -> Floats:
-    """Return the mean of the values that are not NaN; NaN if there are none."""
+    """Return the mean of the known values; NaN if all are NaN."""
     known = ~np.isnan(values)
     count = np.count_nonzero(known, axis=axis)
     mean: Floats = np.sum(values, axis=axis, where=known) / np.where(count, count, np.nan)
@@ -257,7 +258,7 @@ def estimation_errors(
     Parameters
     ----------
     estimate, truth : array (N, n) or (M, N, n)
-        N steps, or M runs of N steps; NaN = not known: the report counts these.
+        N steps, or M runs of N steps; NaN = not known: the report counts these steps.
     covariance : array (N, n, n) or (M, N, n, n), optional
         The covariance that the estimator reports.
     names, units : sequence of n str

@@ -22,7 +22,7 @@ def few_steps(error: Floats) -> Bools:
     """Return the steps (M, N, n) of each component that stand out of its error.
 
     These are the fewest that make half of the sum of squares, then half of the rest, and so on.
-    Each half takes at most 3 % of the steps, all of them together 10 %.
+    Each half takes at most 3 % of the steps, all halves together 10 %.
     """
     few = np.zeros(error.shape, dtype=bool)
     for i in range(error.shape[-1]):

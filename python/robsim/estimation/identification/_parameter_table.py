@@ -1,4 +1,4 @@
-"""The table of the model's 15 parameters, which the reports on them share."""
+"""The table of the model's 15 parameters, shared by the reports."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ def parameter_table(columns: Mapping[Column, NDArray[Any]]) -> Table:
 
 
 def noise_remarks(identify_from: str) -> tuple[str, ...]:
-    """Return what standard errors from poses of the truth, measurement or estimate leave out."""
+    """Return the omissions of standard errors from poses of the truth, measurement or estimate."""
     # Measured from 12 runs of 800 steps: true errors over standard errors 0.9 to 1.3 of output
     # error, 0.8 to 1.9 of instrumental variables (tests/statistics/RESULTS.md).
     sentences = {
-        "measurement": "the standard errors take the errors of measured poses for independent from "
-        "step to step; the errors of a camera resemble their neighbours, so the estimates may be "
-        "up to 1.5 times as far off, and least squares is biased besides",
-        "estimate": "the standard errors take the errors of estimated poses for independent from "
-        "step to step; those of a filter resemble their neighbours, so the estimates are farther "
+        "measurement": "the standard errors assume errors of measured poses without correlation "
+        "from "
+        "step to step; a camera's neighbouring errors are similar, so the estimates may be "
+        "up to 1.5 times as far off, and least squares is also biased",
+        "estimate": "the standard errors assume errors of estimated poses without correlation from "
+        "step to step; a filter's neighbouring errors are similar, so the estimates are farther "
         "off",
     }
     return (sentences[identify_from],) if identify_from in sentences else ()
@@ -43,7 +44,7 @@ def noise_remarks(identify_from: str) -> tuple[str, ...]:
 #: Causes of coloured residuals, by the departure of the robot from its model.
 _CAUSES = {
     "unknown": "process noise moves the robot, or the model or the delay of the inputs is wrong",
-    "none": "the errors of the measured poses resemble their neighbours",
+    "none": "neighbouring errors of the measured poses are similar",
     "process noise": "process noise moves the robot",
     "mismatch": "the robot moves by another model, or its inputs act late",
 }
@@ -82,18 +83,18 @@ def contradiction_remarks(
 
 
 def mean_ratio(errors: Floats, others: Floats) -> float:
-    """Return the geometric mean of errors over others, of the parameters that have both."""
+    """Return the geometric mean of errors over others, for the parameters that have both."""
     is_known = np.isfinite(errors) & np.isfinite(others) & (others > 0) & (errors > 0)
     ratios = errors[is_known] / others[is_known]
     return float(np.exp(np.mean(np.log(ratios)))) if ratios.size else 1.0
 
 
 def lengths_in(unit: str) -> str:
-    """Return the end of a title that names the unit of lengths where it is not the usual px."""
+    """Return the end of a title with the unit of lengths, unless it is the usual px."""
     return "" if unit == "px" else f", lengths in {unit}"
 
 
 def equation_noise(sigma: Floats, unit: str, spec: str = ".3g") -> str:
-    """Return standard deviations of x, y (in `unit`) and heading (rad) as people read them."""
+    """Return standard deviations of x, y (in `unit`) and heading (rad) as displayed."""
     x, y, heading = sigma
     return f"{x:{spec}} {unit}, {y:{spec}} {unit}, {np.rad2deg(heading):{spec}} deg"

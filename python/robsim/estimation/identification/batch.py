@@ -97,51 +97,51 @@ class BatchEstimate(Report):
         Root mean square of the one-step prediction error (x, y in `unit`, heading in rad); for a
         method other than least squares, of the residuals of its fit.
     standard_errors : array (3, 5)
-        Standard errors of `batch`, with the noise estimated from the residuals. Those of least
-        squares are valid for equation noise; measurement noise also biases it. Those of the other
-        methods are the `white_noise_errors` unless the residuals contradict these. Otherwise they
+        Standard errors of `batch`, with the noise estimated from the residuals. For least squares
+        they are valid for equation noise; measurement noise also biases it. For the other methods
+        they are the `white_noise_errors` unless the residuals contradict these. Otherwise they
         include the estimated process noise or correlation of the measurement noise. They do not
         cover a wrong model.
     white_noise_errors : array (3, 5)
         Standard errors of a method other than least squares for measurement noise alone,
-        independent from step to step; otherwise NaN. Errors of a camera are in part a function of
-        the pose, and alike in neighbouring steps.
+        independent from step to step; otherwise NaN. A camera's errors are in part a function of
+        the pose, and similar in neighbouring steps.
     standard_errors_unscaled : array (3, 5)
         Standard errors for noise of standard deviation 1 (x, y in `unit`, heading in rad).
     n_samples : int, optional
-        Number of samples. Default: that of the steps start..stop - 1 without interruption.
+        Number of samples. Default: all of the steps start..stop - 1 without interruption.
     left_out : int
         Number of samples omitted because they span a bounce, a missing pose or lost frames.
     select : str
-        Which samples were used: valid, longest or all.
+        The selection of samples: valid, longest or all.
     method : str
         The method: least_squares, instrumental_variables or output_error.
     converged : bool
         Whether the method converged; if not, `batch` is the result of its last iteration.
     model_error : array (3,)
         Root mean square one-step prediction error of `theta_true` on the true path (x, y in `unit`,
-        heading in rad). `departure` says why it is not 0.
+        heading in rad). `departure` gives the reason if it is not 0.
     motor_delay, motor_delay_error : float
-        How late the inputs act (steps), and the standard error if it was estimated, otherwise 0.
+        Delay of the inputs (steps), and its standard error if it was estimated, otherwise 0.
     whiteness_p_value : float
         Probability that residuals without process noise are as far from white; NaN for least
         squares. Below 0.05 they contradict the `white_noise_errors`.
     process_sigma, measurement_sigma : array (3,)
-        Standard deviations of process noise and measurement noise in a step, as the residuals show
-        them (x, y in `unit`, heading in rad); NaN for least squares.
+        Standard deviations of process noise and measurement noise in a step, from the residuals (x,
+        y in `unit`, heading in rad); NaN for least squares.
     measurement_correlation : array (3,)
         Correlation of the coloured part of the measurement noise from step to step; 0 = white, NaN
         for least squares.
     least_squares_errors : array (3, 5)
-        The root mean square errors, bias included, that least squares has under this noise; NaN for
-        least squares.
+        The root mean square errors, with bias, of least squares under this noise; NaN for least
+        squares.
     departure : str
-        How the robot departs from its model, as the trace knows: ``"none"``, ``"process noise"``,
-        ``"mismatch"``: the parameters or the equations are others, or ``"unknown"``. It is
-        ``"none"``, too, where a fitted delay explains `model_error`, or where that moves `batch` by
+        The robot's departure from its model, according to the trace: ``"none"``, ``"process
+        noise"``, ``"mismatch"`` (other parameters or equations), or ``"unknown"``. It is also
+        ``"none"`` if a fitted delay explains `model_error`, or if `model_error` moves `batch` by
         less than a tenth of its standard errors.
     unit : str
-        The unit of lengths: that of the trace.
+        The unit of lengths, as in the trace.
     px_length : float
         Length of a px of the work area in that unit.
     """
@@ -193,19 +193,19 @@ class BatchEstimate(Report):
 
     @property
     def is_model_exact(self) -> bool:
-        """Whether the robot moved as its model says, as far as the estimate can tell."""
+        """Whether the robot moved as its model says, within the resolution of the estimate."""
         return self.departure == "none" or not self.model_error.any()
 
     @property
     def knows_truth(self) -> bool:
-        """Whether `theta_true` is the truth: nothing but process noise departs from the model."""
+        """Whether `theta_true` is the truth: only process noise departs from the model."""
         return self.is_model_exact or self.departure == "process noise"
 
     @property
     def identifiability(self) -> Identifiability:
         """How well the run determines each parameter.
 
-        For true poses, which have no noise, sigma is assumed; otherwise it is that of the
+        For true poses, which have no noise, sigma is assumed; otherwise it comes from the
         residuals.
         """
         n_samples = self._samples
@@ -232,7 +232,7 @@ class BatchEstimate(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The delay of the inputs, if there is one."""
+        """The delay of the inputs, if any."""
         return delay_quantities(self.motor_delay, self.motor_delay_error)
 
     @property
@@ -256,7 +256,7 @@ class BatchEstimate(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What limits the estimate."""
+        """The limitations of the estimate."""
         remarks = [
             f"{axis}: the run does not determine {', '.join(missing)}; excite the robot more"
             for axis, missing in zip(_AXES, self._missing(), strict=True)
@@ -273,7 +273,7 @@ class BatchEstimate(Report):
             remarks.append(
                 f"process noise moves the robot ({error} per step): the model's values are true"
                 if self.departure == "process noise"
-                else f"the robot does not move as its model says (rmse {error} per step): the "
+                else f"the robot does not move as its model predicts (rmse {error} per step): the "
                 "model's values need not be true"
             )
         if not self._has_online:
@@ -322,29 +322,29 @@ def batch_estimate(
     """Estimate the parameters of the robot model from a whole run.
 
     From measured poses least squares is biased, since the noise is in its regressors, too. The
-    other methods asymptotically are not, and they are made for measurement noise alone. Their
-    standard errors include process noise where the residuals show it. The report then also names
-    the better method.
+    other methods are asymptotically unbiased, and made for measurement noise alone. If the
+    residuals show process noise, their standard errors include it. The report then also names the
+    better method.
 
     Parameters
     ----------
     trace : Trace
         The recorded run.
     identify_from : str, optional
-        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
-        estimate.
+        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: the source of the trace's own
+        online estimate.
     select : str
         ``"valid"``: all samples except those that span a bounce, a step without a pose or lost
-        frames. ``"longest"``: those of the longest segment without an interruption. ``"all"``:
-        also those that span a bounce, to see their effect.
+        frames. ``"longest"``: the samples of the longest segment without an interruption.
+        ``"all"``: also samples that span a bounce, to see their effect.
     method : str
         ``"least_squares"``, ``"instrumental_variables"`` or ``"output_error"``; see the functions
         of these names.
     motor_delay : float or str
-        How late the inputs act (steps of the model), 0..1000: the `motor_delay` of a simulated
-        world, the ``trace.timing().motor_delay`` of a live one. ``"fit"``: it is estimated, too,
-        within 0..10 steps, by the method ``"output_error"``. It counts from ``trace.u``, or, where
-        the frames said what the motors got, from ``trace.last_u``.
+        Delay of the inputs (steps of the model), 0..1000: the `motor_delay` of a simulated world,
+        the ``trace.timing().motor_delay`` of a live one. ``"fit"``: estimate it, too, within 0..10
+        steps, with the method ``"output_error"``. It counts from ``trace.u``, or from
+        ``trace.last_u`` if the frames reported the motors' inputs.
 
     Returns
     -------
@@ -354,7 +354,7 @@ def batch_estimate(
     Raises
     ------
     NotRecordedError
-        If the trace has no poses from there.
+        If the trace lacks these poses.
     TypeError, ValueError
         If `trace` is not a Trace, it has too few samples, or a name is unknown; if the time
         between two steps is not a multiple of the model's dt.
@@ -372,7 +372,7 @@ def batch_estimate(
     check_choice("method", method, _METHODS)
     delay = check_delay_or_fit(motor_delay)
     if delay is None and method != "output_error":
-        raise ValueError(f"motor_delay='fit' is for method='output_error', got {quoted(method)}")
+        raise ValueError(f"motor_delay='fit' requires method='output_error', got {quoted(method)}")
     found = regression_of(
         trace,
         identify_from=identify_from,
@@ -538,12 +538,12 @@ def _departure(trace: Trace, fit: _Fit) -> tuple[Floats, str]:
 
 
 def judged(trace: Trace) -> Identifiability | None:
-    """Return how well the estimates are known; of an estimator that does not say, the samples."""
+    """Return the identifiability; for an estimator without standard errors, from the samples."""
     try:
         return identifiability(trace)
     except NotRecordedError:
         pass
     try:
         return batch_estimate(trace).identifiability
-    except ValueError:  # too few samples as yet
+    except ValueError:  # still too few samples
         return None

@@ -23,7 +23,7 @@ def convergence_time(
     Parameters
     ----------
     estimate : array (N, ...)
-        Estimates of N steps; NaN = none, which is outside the band.
+        Estimates of N steps; NaN = no estimate, which counts as outside the band.
     truth, tolerance : array (...) or float
         The true value and the half width of the band.
     t : array (N,), optional
@@ -79,9 +79,9 @@ class ConvergenceReport(Report):
     identify_from : str
         The data of the online estimate: truth, measurement or estimate.
     spread : array (3, 5)
-        Standard errors of the last estimate from the prediction errors; 0 where they are not known.
+        Standard errors of the last estimate from the prediction errors; 0 if unknown.
     unit : str
-        The unit of lengths: that of the trace.
+        The unit of lengths, as in the trace.
     """
 
     theta_true: Floats
@@ -94,7 +94,7 @@ class ConvergenceReport(Report):
 
     @property
     def title(self) -> str:
-        """What was judged."""
+        """The source of the online estimate."""
         return f"Online estimate from {self.identify_from}{lengths_in(self.unit)}"
 
     @property
@@ -104,7 +104,7 @@ class ConvergenceReport(Report):
 
     @property
     def at_limit(self) -> bool:
-        """Whether the verdict would be another one with the last estimates one `spread` off."""
+        """Whether a change of the last estimates by one `spread` changes the verdict."""
         error = np.abs(self.last - self.theta_true)
         better, worse = error - self.spread, error + self.spread
         return bool((better <= self.tolerance).all() != (worse <= self.tolerance).all())
@@ -123,7 +123,7 @@ class ConvergenceReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What near means, and what the verdict hangs on where it is at the limit."""
+        """The meaning of near, and the deciding numbers at the limit."""
         near = "near: within the tolerance of the true value, from then on until the end"
         if self.identify_from != "truth":
             near += (
@@ -135,11 +135,11 @@ class ConvergenceReport(Report):
         return (
             near,
             f"at the limit: {name} is within its standard error of the limit of its tolerance, so "
-            "that another run may say otherwise",
+            "that another run may give another verdict",
         )
 
     def _margins(self) -> Floats:
-        """Return how many standard errors each last estimate is away from its limit, (3, 5)."""
+        """Return the distance of each last estimate from its limit in standard errors, (3, 5)."""
         distance = np.abs(np.abs(self.last - self.theta_true) - self.tolerance)
         with np.errstate(divide="ignore", invalid="ignore"):
             margins = distance / self.spread
@@ -158,8 +158,8 @@ def parameter_convergence(
     tolerance : float
         Half width of the band of a1, a2, b1 and b2, relative to the true value.
     offset_tolerance : float
-        Half width of the band of d1, whose true value may be 0 (px, px, rad), in any unit of the
-        trace.
+        Half width of the band of d1, whose true value may be 0 (px, px, rad), in the trace's unit
+        as well.
 
     Returns
     -------
@@ -199,7 +199,7 @@ def parameter_convergence(
 
 
 def _spread(trace: Trace) -> Floats:
-    """Return the standard errors of the last estimates, (3, 5); 0 where they are not known."""
+    """Return the standard errors of the last estimates, (3, 5); 0 if unknown."""
     sigma, _ = prediction_sigma(trace, trace.parameters[-1])
     spread = sigma[:, np.newaxis] * trace.standard_errors_unscaled[-1]
     return np.asarray(np.nan_to_num(spread, posinf=0.0))

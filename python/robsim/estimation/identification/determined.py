@@ -21,11 +21,11 @@ from robsim.estimation.identification.regressions import regression_of
 from robsim.trace import PARAMETER_NAMES, Trace
 from robsim.trace.trace import check_trace
 
-#: Standard deviations of the equation noise of x, y (px) and heading (rad) that are assumed for
-#: true poses, which have none.
+#: Assumed standard deviations of the equation noise of x, y (px) and heading (rad) for true poses,
+#: which have no noise.
 ASSUMED_SIGMA = (0.1, 0.1, 0.005)
 
-#: Maximum standard error of a well and of a poorly determined parameter, relative to it.
+#: Maximum standard error, relative to the parameter, of well and poorly determined ones.
 WELL, POORLY = 0.05, 0.5
 
 _VERDICTS = ("well", "poorly", "not excited")
@@ -47,15 +47,15 @@ class Identifiability(Report):
     sigma : array (3,)
         Standard deviations of the equation noise of x, y (in `unit`) and heading (rad).
     is_assumed : bool
-        Whether sigma is `ASSUMED_SIGMA`, since true poses have no noise; otherwise it was given,
-        or comes from the prediction errors.
+        Whether sigma is `ASSUMED_SIGMA`, since true poses have no noise; otherwise it was given, or
+        comes from the prediction errors.
     relative_range : array (2, 3, 5)
         `relative` with the parameter and sigma, which are estimates, too, one standard deviation
-        better and worse; equal where the poses are true and sigma was given.
+        better and worse; equal for true poses and a given sigma.
     identify_from : str
         The data of the estimates: truth, measurement or estimate.
     unit : str
-        The unit of lengths: that of the trace.
+        The unit of lengths, as in the trace.
     """
 
     standard_errors: Floats
@@ -82,7 +82,7 @@ class Identifiability(Report):
 
     @property
     def verdict_texts(self) -> NDArray[np.str_]:
-        """The `verdicts` for a table: those at the limit say so, (3, 5)."""
+        """The `verdicts` for a table, with a remark if at the limit, (3, 5)."""
         suffixes = np.where(self.are_at_limit, ", at the limit", "")
         return np.char.add(self.verdicts, suffixes)
 
@@ -103,12 +103,12 @@ class Identifiability(Report):
 
     @property
     def title(self) -> str:
-        """What was judged."""
+        """The subject: the excitation of the parameters."""
         return f"Excitation of the parameters{lengths_in(self.unit)}"
 
     @property
     def verdict(self) -> str:
-        """That of the parameter which is determined worst."""
+        """The verdict on the worst determined parameter."""
         return _worst(self.verdicts)
 
     @property
@@ -129,7 +129,7 @@ class Identifiability(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the verdicts mean, and for which noise."""
+        """The meaning of the verdicts, and their noise."""
         return (*self._on_excitation, *self._on_methods, *noise_remarks(self.identify_from))
 
     @property
@@ -137,13 +137,15 @@ class Identifiability(Report):
         source = " (assumed)" if self.is_assumed else ""
         remarks = [
             f"excited well: standard error at most {percent(WELL, 0)} of the parameter (of d1: "
-            f"of b1 or b2); poorly: at most {percent(POORLY, 0)}; for noise of "
+            f"of b1 or b2), poorly: at most {percent(POORLY, 0)}, for noise of "
             f"{equation_noise(self.sigma, self.unit)} in each step{source}"
         ]
         if self.are_at_limit.any():
             remarks.append(
-                "at the limit: the standard error relative to the parameter is random itself, and "
-                "within one standard deviation of the limit, so that another run may say otherwise"
+                "at the limit: the standard error relative to the parameter is random itself. It "
+                "is "
+                "one standard deviation from the limit or less: another run may give another "
+                "verdict"
             )
         return tuple(remarks)
 
@@ -151,8 +153,8 @@ class Identifiability(Report):
     def _on_methods(self) -> tuple[str, ...]:
         """A remark on least squares from measured poses."""
         remark = (
-            "this is of least squares: batch_estimate(trace, method='output_error') may be 100 "
-            "times as exact where measurement noise is most of the noise"
+            "this is for least squares: batch_estimate(trace, method='output_error') may be 100 "
+            "times as exact where measurement noise dominates"
         )
         return (remark,) if self.identify_from == "measurement" else ()
 
@@ -229,8 +231,8 @@ def identifiability(
     sigma : array (3,), optional
         Standard deviations of the equation noise of x, y (in the unit of the trace) and heading
         (rad). Default: 0.1 px, 0.1 px, 0.005 rad for an estimate from the truth, which has no
-        noise; otherwise those of the one-step prediction errors of the estimate, from the samples
-        up to the step.
+        noise. Otherwise they come from the one-step prediction errors of the samples up to the
+        step.
 
     Returns
     -------
@@ -240,18 +242,18 @@ def identifiability(
     Raises
     ------
     NotRecordedError
-        If the trace has no standard errors: your own estimator gives none.
+        If the trace has no standard errors: your own estimator reports no errors.
     TypeError, ValueError
         If `trace` is not a Trace, or `k` or `sigma` is wrong.
 
     Notes
     -----
     This is practical identifiability: the excitation of this run, at this noise. Structural
-    identifiability is the question whether any run without noise determines the parameters.
+    identifiability asks whether any run without noise determines the parameters.
 
     Examples
     --------
-    A robot that turns on the spot tells nothing of how its motors drive it along x:
+    A robot that turns on the spot does not show how its motors drive it along x:
 
     >>> sim = robsim.Simulation(seed=1, control=robsim.Spin(), estimate_parameters=True)
     >>> report = robsim.identifiability(sim.run(100), sigma=(0.1, 0.1, 0.001))

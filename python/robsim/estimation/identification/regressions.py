@@ -1,4 +1,4 @@
-"""The regression samples of a recorded run, which the batch estimates are computed from."""
+"""The regression samples of a recorded run, for the batch estimates."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Regression:
     y : array (N, 3)
         Outputs x, y (work-area px) and heading (rad).
     k : array (N,) of int
-        The step whose output y is; its regressors are from the two steps before.
+        The step of the output y; its regressors are from the two previous steps.
     identify_from : str
         The poses of the samples: truth, measurement or estimate.
     left_out : int
@@ -65,15 +65,15 @@ def regression_of(
     trace : Trace
         The recorded run.
     identify_from : str, optional
-        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: as the trace's own online
-        estimate.
+        ``"truth"``, ``"measurement"`` or ``"estimate"``. Default: the source of the trace's own
+        online estimate.
     select : str
         ``"valid"``: all except those that span a bounce, a step without a pose or lost frames.
-        ``"longest"``: those of the longest segment without an interruption. ``"all"``: also those
-        that span a bounce, which the model does not cover.
+        ``"longest"``: the samples of the longest segment without an interruption. ``"all"``: also
+        samples that span a bounce, which the model does not cover.
     motor_delay : float
-        How late the inputs act (steps of the model), 0..1000. Samples whose inputs are from before
-        the record, from lost frames or from before a stop are not valid.
+        Delay of the inputs (steps of the model), 0..1000. Samples whose inputs are older than the
+        record or a stop, or from lost frames, are not valid.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def regression_of(
 
 
 def inputs_of(trace: Trace, motor_delay: float = 0.0) -> Floats:
-    """Return the inputs (N, 2) that acted, in V: where nobody knows better, those sent."""
+    """Return the inputs (N, 2) that acted, in V: the reported ones, or else the sent ones."""
     u = trace.u.copy()
     received = trace.last_u[1:]
     is_known = np.isfinite(received).all(axis=1)
@@ -131,14 +131,14 @@ def inputs_of(trace: Trace, motor_delay: float = 0.0) -> Floats:
 def interruptions(
     trace: Trace, *, over_bounces: bool = False, motor_delay: float = 0.0
 ) -> NDArray[np.bool_]:
-    """Return for each step whether the model does not give it from the last two steps, (N,).
+    """Return for each step whether the model cannot predict it from the last two steps, (N,).
 
-    It does not across a bounce (except `over_bounces`), lost frames, or a stop in between. For
+    It cannot across a bounce (except `over_bounces`), lost frames, or a stop in between. For
     `motor_delay` steps after these, and at the start of a later record, inputs are not known. A
     time between two steps that is no multiple of the model's dt raises ValueError.
     """
     is_break = np.zeros(len(trace), dtype=bool)
-    # While the robot was stopped, time passed as somebody liked.
+    # The duration of a stop is arbitrary.
     intervals = np.diff(trace.t)[~trace.interrupted[1:]]
     steps = model_steps(intervals, trace.info.dt)
     check_mean_interval(intervals.sum(), steps.sum(), trace.info.dt)

@@ -51,9 +51,9 @@ def check_process_sigma(sigma: Sequence[float]) -> Floats:
     if isinstance(sigma, (tuple, list)) and len(sigma) == 2:
         raise ValueError(
             f"process_sigma must be 3 numbers, for x, y and the heading, "
-            f"got {quoted(sigma)}: those of "
-            "a WheelNoise are in V; noise.Q(model, heading) is the covariance of the pose that it "
-            "causes"
+            f"got {quoted(sigma)}; values of "
+            "a WheelNoise are in V; noise.Q(model, heading) is the covariance of the resulting "
+            "pose"
         )
     return check_vector3("process_sigma", sigma, minimum=0)
 
@@ -79,14 +79,14 @@ def root(P: Floats) -> Floats:
     try:
         return np.asarray(np.linalg.cholesky(P), dtype=np.float64)
     except np.linalg.LinAlgError:  # P is singular but for rounding, as without process noise
-        # P^(1/2) = V sqrt(D) V' is unique, whatever V is
+        # P^(1/2) = V sqrt(D) V' is unique, for any V
         eigenvalues, V = np.linalg.eigh(P)
         return np.asarray((V * np.sqrt(np.maximum(eigenvalues, 0))) @ V.T, dtype=np.float64)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Prior:
-    """The prior distribution of the robot's state, before it is first seen.
+    """The prior distribution of the robot's state, ahead of the first measurement.
 
     Default: somewhere in the work area, with any heading and a low speed.
 
@@ -131,12 +131,12 @@ class Prior:
 
 
 class StateEstimator(ABC):
-    """A filter as the simulation calls it: ``estimate_state(step) -> Estimate``.
+    """A filter for the simulation: ``estimate_state(step) -> Estimate``.
 
     The state, `mean` (6,) with covariance `P` (6, 6), is the pose (x, y, wrapped heading) and its
     velocity (px, rad, s). A filter resets at step 0, and at a later step that does not follow the
-    last one. It serves one run: the same step twice is a RuntimeError, as two simulations share a
-    filter.
+    last one. It serves one run: the same step twice raises RuntimeError, because two simulations
+    share a filter.
     """
 
     mean: Floats
@@ -161,7 +161,7 @@ class StateEstimator(ABC):
     def R(self) -> Floats:
         """Covariance (3, 3) of the measurement: of the newest one, or from `measurement_sigma`.
 
-        Once it is set, it holds for all measurements.
+        After an assignment, the value holds for all measurements.
         """
         return self._R
 
@@ -205,7 +205,7 @@ class StateEstimator(ABC):
         return Estimate(self.mean[:3], self.P[:3, :3], self.mean[3:])
 
     def _input_since(self, step: Step) -> Floats:
-        """Return the input that acted since the step before; called once a step."""
+        """Return the input that acted since the previous step; called once a step."""
         return np.asarray(step.last_u)
 
     @abstractmethod
@@ -228,14 +228,14 @@ class StateEstimator(ABC):
 class RobotMotion:
     """The state transition of the robot model, for the state (pose, velocity).
 
-    The model needs the last two poses. The state has the last one and the velocity
-    v(k) = (pose(k) - pose(k-1)) / T, so pose(k-2) = pose(k-1) - T v(k-1). Headings are not
-    wrapped, so that they do not jump.
+    The model needs the last two poses. The state has the last one and the velocity v(k) = (pose(k)
+    - pose(k-1)) / T, so pose(k-2) = pose(k-1) - T v(k-1). Headings are not wrapped, so that they do
+    not jump.
 
     Parameters
     ----------
     model : RobotModel, optional
-        The model. Default: that of the default robot.
+        The model. Default: the default robot's.
 
     Raises
     ------
@@ -257,7 +257,7 @@ class RobotMotion:
         self.T = self.model.dt
 
     def _poses(self, name: str, states: Floats) -> tuple[Floats, Floats]:
-        """Return the last pose of each state and the one before; the errors name the argument."""
+        """Return the last two poses of each state; the errors name the argument."""
         states = as_float_array(name, states)
         if states.shape[-1:] != (6,):
             raise ValueError(f"{name} must be of shape (..., 6), got {states.shape}")

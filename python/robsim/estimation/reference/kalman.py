@@ -83,18 +83,18 @@ class KalmanFilter(StateEstimator):
 class ConstantVelocityKalmanFilter(KalmanFilter):
     """A Kalman filter with a constant-velocity model, without the inputs.
 
-    What the motors do to the velocity is process noise: an acceleration, constant in each step.
+    Changes of the velocity by the motors are process noise: an acceleration, constant in each step.
 
     Parameters
     ----------
     acceleration_sigma : sequence of 3 floats
         Standard deviations of the acceleration of x, y and the heading (px/s^2, px/s^2, rad/s^2).
     measurement_sigma : sequence of 3 floats, optional
-        Standard deviations of a measured pose (px, px, rad), for all measurements, whatever their
-        covariances say. Default: of each measurement, what its covariance says; of one without,
-        (0.3, 0.3, 0.05), those of a simulation with 36 drawn headings in a frame of 1200 px.
+        Standard deviations of a measured pose (px, px, rad), for all measurements instead of their
+        covariances. Default: the covariance of each measurement; without one (0.3, 0.3, 0.05), as
+        in a simulation with 36 drawn headings in a frame of 1200 px.
     prior : Prior, optional
-        What is known before the robot is first seen.
+        The knowledge before the robot is first seen.
 
     Raises
     ------
@@ -140,13 +140,13 @@ class ConstantVelocityKalmanFilter(KalmanFilter):
 
 
 class _StepAhead:
-    """A step with another estimate. No copy: that would have the frame drawn."""
+    """A step with another estimate. Not a copy, because copying would draw the frame."""
 
     def __init__(self, step: Step, estimate: Estimate) -> None:
         self._step, self.estimate = step, estimate
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):  # copies and pickles ask for them before __init__
+        if name.startswith("_"):  # copies and pickles read them before __init__
             raise AttributeError(name)
         return getattr(self._step, name)
 
@@ -164,7 +164,7 @@ class ModelFilter(StateEstimator):
 
     @property
     def motor_delay(self) -> float:
-        """How late the inputs act (steps of the model)."""
+        """Delay of the inputs (steps of the model)."""
         return self._motor_delay
 
     def reset(self) -> None:
@@ -185,7 +185,7 @@ class ModelFilter(StateEstimator):
         return delayed(sent, self.motor_delay)[-n_steps:]
 
     def _inputs(self, u: Floats, dt: float) -> Iterable[Floats]:
-        """Return the input of each model step in a time (s); ValueError if it is none of it."""
+        """Return the input of each model step in a time (s); ValueError for a wrong shape."""
         n_steps = self.motion.steps_in(dt)
         self._time += dt
         self._n_steps += n_steps
@@ -193,10 +193,10 @@ class ModelFilter(StateEstimator):
         return u if np.ndim(u) == 2 else repeat(u, n_steps)
 
     def predicted(self) -> Estimate:
-        """Return the estimate for the time when an input that is sent now begins to act.
+        """Return the estimate for the time at which an input sent now begins to act.
 
-        From the newest estimate, with the inputs that are on their way, whose effect no frame has
-        shown yet. Before the robot is seen, and without a delay, it is the newest estimate itself.
+        It starts from the newest estimate and applies the inputs that are sent but not yet visible
+        in a frame. Before the robot is seen, and without a delay, it is the newest estimate itself.
         Between two steps of the model state and covariance are interpolated linearly.
 
         Returns
@@ -209,7 +209,7 @@ class ModelFilter(StateEstimator):
         whole = int(self.motor_delay)
         fraction = self.motor_delay - whole
         ahead = self._copy()
-        # What acts in the steps to come is known, but for what is sent from now on.
+        # The inputs for the coming steps are known, except those sent from now on.
         to_come = delayed(np.vstack((self._sent, np.zeros((whole, 2)))), self.motor_delay)
         for u in to_come[len(self._sent) :]:
             ahead.predict(u, self.motion.T)
@@ -220,21 +220,21 @@ class ModelFilter(StateEstimator):
         return ahead._estimate()
 
     def ahead(self, step: Step) -> Any:
-        """Return the step as a controller needs it whose inputs act late: with `predicted`.
+        """Return the step for a controller whose inputs act late: with `predicted`.
 
-        With it a controller that drives by ``step.estimate``, as `GoToPoint` and `FollowPath` do,
-        compensates the delay: it sees where the robot will be when its input begins to act. What
-        `estimate_state` returned, and the trace, remain those of the newest frame.
+        A controller that drives by ``step.estimate``, as `GoToPoint` and `FollowPath` do, then
+        compensates the delay: it receives the pose at which its input begins to act. The result of
+        `estimate_state`, and the trace, still belong to the newest frame.
 
         Parameters
         ----------
         step : Step
-            The step that the filter, as ``estimate_state``, has estimated.
+            The step that this filter, as ``estimate_state``, has estimated.
 
         Returns
         -------
         object
-            With all that the step has, but for its ``estimate``.
+            All attributes of the step, with another ``estimate``.
 
         Raises
         ------
@@ -256,12 +256,12 @@ class ModelFilter(StateEstimator):
         check_kind("step", step, Step)
         if step.k != self._last_step:
             raise RuntimeError(
-                f"the filter has not estimated step {step.k}: give it as estimate_state, too"
+                f"the filter has not estimated step {step.k}: also use it as estimate_state"
             )
         return _StepAhead(step, self.predicted())
 
     def _copy(self) -> Self:
-        """Return a filter that goes on by itself."""
+        """Return an independent copy of the filter."""
         return copy.copy(self)
 
     def _interpolate(self, before: Self, fraction: float) -> None:
@@ -279,26 +279,25 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
     Parameters
     ----------
     model : RobotModel, optional
-        The motion model: ``sim.model``, or one from `RobotParameters`. Default: that of the
-        default robot.
+        The motion model: ``sim.model``, or one from `RobotParameters`. Default: the default
+        robot's.
     process_sigma : sequence of 3 floats
-        Standard deviations of the process noise of the pose in each step (px, px, rad): what the
-        model does not know of the robot's motion. In a simulation with ``process_noise=noise``, a
-        `PoseNoise`, give ``noise.sigma``; without disturbances the model is exact, and 0 is
-        optimal as long as there are no walls, of which the model knows nothing: after a bounce a
-        filter with 0 would not recover. The default suits a `PoseNoise` of these standard
-        deviations, or parameters that are off by about 5 %; without disturbances `pose_consistency`
-        rightly calls it conservative.
+        Standard deviations of the process noise of the pose in each step (px, px, rad): motion of
+        the robot outside the model. In a simulation with ``process_noise=noise``, a `PoseNoise`,
+        give ``noise.sigma``. Without disturbances the model is exact, and 0 is optimal as long as
+        there are no walls, which the model ignores. After a bounce a filter with 0 would not
+        recover. The default suits a `PoseNoise` of these standard deviations, or parameters that
+        are off by about 5 %. Without disturbances `pose_consistency` rightly calls it conservative.
     measurement_sigma : sequence of 3 floats, optional
-        Standard deviations of a measured pose (px, px, rad), for all measurements, whatever their
-        covariances say. Default: of each measurement, what its covariance says; of one without,
-        (0.3, 0.3, 0.05), those of a simulation with 36 drawn headings in a frame of 1200 px.
+        Standard deviations of a measured pose (px, px, rad), for all measurements instead of their
+        covariances. Default: the covariance of each measurement; without one (0.3, 0.3, 0.05), as
+        in a simulation with 36 drawn headings in a frame of 1200 px.
     motor_delay : float
-        How late the inputs act, in steps of the model, 0..1000: the `motor_delay` of a simulated
-        world, the ``trace.timing().motor_delay`` of a live one. `ahead` then compensates it. It
-        counts from ``step.last_u``: if the frames say what the motors got, only what comes after.
+        Delay of the inputs, in steps of the model, 0..1000: the `motor_delay` of a simulated world,
+        the ``trace.timing().motor_delay`` of a live one. `ahead` then compensates it. It counts
+        from ``step.last_u``: if the frames report the motors' inputs, only the later delay.
     prior : Prior, optional
-        What is known before the robot is first seen.
+        The knowledge before the robot is first seen.
 
     Attributes
     ----------
@@ -310,8 +309,8 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
     Raises
     ------
     TypeError, ValueError
-        If a value is not a number, or negative; if a measurement sigma is 0; in a run, if the time
-        between two steps is not a multiple of the model's dt.
+        If a value is not a number, or negative, or if a measurement sigma is 0; in a run, if the
+        time between two steps is not a multiple of the model's dt.
 
     Notes
     -----
@@ -354,7 +353,7 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
         Parameters
         ----------
         u : array (2,) or (n, 2)
-            The input that acts (V), or that of each step of the model.
+            The input that acts (V), or the inputs of each step of the model.
         dt : float
             The time (s).
         """
@@ -371,9 +370,9 @@ class ExtendedKalmanFilter(ModelFilter, KalmanFilter):
 class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
     """A Kalman filter that propagates sigma points through the robot model, without a Jacobian.
 
-    The sigma points have the mean and the covariance of the estimate; the propagated ones have
-    those of the prediction. The measurement is linear in the state, so its update needs no sigma
-    points: they would give the Kalman update exactly.
+    The sigma points have the mean and the covariance of the estimate; after the model they give the
+    prediction's. The measurement is linear in the state, so its update needs no sigma points: they
+    would give the Kalman update exactly.
 
     Parameters
     ----------
@@ -386,7 +385,7 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
     Attributes
     ----------
     Q : array (3, 3)
-        As of `ExtendedKalmanFilter`.
+        As for `ExtendedKalmanFilter`.
 
     Raises
     ------
@@ -438,7 +437,7 @@ class UnscentedKalmanFilter(ModelFilter, KalmanFilter):
         return points, weights
 
     def predict(self, u: Floats, dt: float) -> None:
-        """Predict the state dt (s) ahead, as `ExtendedKalmanFilter.predict`."""
+        """Predict the state dt (s) ahead, like `ExtendedKalmanFilter.predict`."""
         G = self.motion.G
         for acting in self._inputs(u, dt):
             points, weights = self.sigma_points()

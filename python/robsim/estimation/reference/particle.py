@@ -14,15 +14,15 @@ from robsim.base.seeds import Seed, seed_sequence
 from robsim.estimation.reference.estimator import PROCESS_SIGMA, Prior, check_process_sigma, root
 from robsim.estimation.reference.kalman import ModelFilter, innovation_of, kalman_update
 
-#: With a smaller effective sample size after a measurement, the particles are drawn anew.
+#: With a smaller effective sample size after a measurement, the particles are drawn again.
 MINIMUM_SAMPLE_SIZE = 600
 
 
 class ParticleFilter(ModelFilter):
     """A set of states, moved by the robot model and weighted by the measurements.
 
-    Where few particles are near the measurement, as at the start and at a wall, they are replaced
-    by a sample from a normal distribution: the Kalman update of their mean and covariance.
+    If few particles are near the measurement, as at the start and at a wall, a sample from a normal
+    distribution replaces them: the Kalman update of their mean and covariance.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class ParticleFilter(ModelFilter):
     -----
     Source: Gordon, Salmond and Smith, Novel approach to nonlinear/non-Gaussian Bayesian state
     estimation, IEE Proc. F 140(2), 1993 (the bootstrap filter); systematic resampling: Kitagawa,
-    Monte Carlo Filter and Smoother, J. Comput. Graph. Stat. 5(1), 1996; drawing anew: Kotecha and
+    Monte Carlo Filter and Smoother, J. Comput. Graph. Stat. 5(1), 1996; drawing again: Kotecha and
     Djuric, Gaussian Particle Filtering, IEEE Trans. Signal Process. 51(10), 2003.
 
     Examples
@@ -94,7 +94,7 @@ class ParticleFilter(ModelFilter):
 
     def _copy(self) -> Self:
         other = super()._copy()
-        # Looking ahead must not change what is drawn afterwards.
+        # Prediction must not change later random numbers.
         other._rng = copy.deepcopy(self._rng)
         return other
 
@@ -117,7 +117,7 @@ class ParticleFilter(ModelFilter):
     def update(self, z: Floats) -> None:
         """Update the weights with a measured pose z, (3,), whose covariance is `R`."""
         # W_i = W_i p(z | x_i), normally distributed: p = exp(-|L^-1 (z - x_i)|^2 / 2), L L' = R
-        # A measurement that is said to be exact has a standard deviation of 1e-6 all the same.
+        # An exact measurement still gets a standard deviation of 1e-6.
         L = root(self.R + 1e-12 * np.eye(3))
         distance = np.linalg.solve(L, innovation_of(z, self.particles[:, :3]).T)
         log_likelihood = -np.sum(distance**2, axis=0) / 2
@@ -129,7 +129,7 @@ class ParticleFilter(ModelFilter):
         self._summarise()
 
     def _redraw(self, z: Floats) -> None:
-        """Draw the particles anew from the Kalman update of their mean and covariance with z."""
+        """Draw new particles from the Kalman update of their mean and covariance with z."""
         mean, P, *_ = kalman_update(self.mean, self.P, z, self.R)
         self._draw(mean, P)
 
@@ -148,7 +148,7 @@ class ParticleFilter(ModelFilter):
         self.weights = np.full(self.n_particles, 1 / self.n_particles)
 
     def _summarise(self) -> None:
-        """Set the mean and the covariance to those of the particles."""
+        """Set the mean and the covariance from the particles."""
         # mean = sum W_i x_i; for the heading the circular mean
         self.mean = self.weights @ self.particles
         heading = self.particles[:, 2]

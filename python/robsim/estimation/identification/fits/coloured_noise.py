@@ -1,11 +1,11 @@
 """Coloured noise: found in the residuals of a simulated path, and carried to the standard errors.
 
-The residuals of an axis are a sum of white noise e, and of z, that w drives:
+The residuals of an axis are a sum of white noise e, and of z, driven by w:
 
     residual(k) = z(k) + e(k),  z(k) = a1 z(k-1) + a2 z(k-2) + w(k)
 
-Process noise w passes through the model of the axis: its a1 and a2. Errors of measured poses that
-resemble their neighbours have a1 = their correlation, a2 = 0, and do not move the robot.
+Process noise w passes through the model of the axis: its a1 and a2. Measured poses with similar
+neighbouring errors have a1 = their correlation, a2 = 0, and these do not move the robot.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ NO_NOISE, _UNKNOWN = (
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A segment beside the path that is simulated for it, (n, 3)."""
+    """A segment and its simulated path, (n, 3)."""
 
     segment: Segment
     path: Floats
@@ -100,7 +100,7 @@ class Track:
 def estimated_noise(theta: Floats, tracks: list[Track]) -> Noise:
     """Return the noise that makes the residuals of tracks by theta (3, 5) most likely.
 
-    It is NaN where the path is too far off for numbers to resolve.
+    It is NaN if the path is too far off for the number format.
     """
     longest = sorted(tracks, key=lambda track: -len(track.path))
     steps = np.cumsum([0, *(len(track.path) for track in longest)])[:-1]
@@ -200,7 +200,7 @@ class _Residuals:
         )
 
     def coloured(self) -> _Axis:
-        """Return the noise if the errors of the measured poses resemble their neighbours."""
+        """Return the noise for measured poses with similar neighbouring errors."""
         return min((self.driven(r) for r in _CORRELATIONS), key=lambda axis: axis.cost)
 
     def driven(self, a1: float, a2: float | None = None) -> _Axis:

@@ -43,13 +43,13 @@ def instrumental_variables(
     Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
     the same quantity, simulated from the inputs with the current estimate, which is uncorrelated
     with the noise. Samples and instruments are filtered so that the noise becomes white, and the
-    estimate is iterated. The constraint a1 + a2 = 1, which holds for every robot, is used: without
-    it a drift of the measured path, which is noise, could be fitted by a parameter. Gaps cost
-    samples, since only consecutive poses are used; `output_error` bridges them.
+    estimate is iterated. The fit uses the constraint a1 + a2 = 1, which holds for every robot.
+    Otherwise a parameter could fit a drift of the measured path, which is noise. Gaps cost samples,
+    since only consecutive poses are used; `output_error` bridges them.
 
     With measurement noise alone there is asymptotically no bias. Under process noise the estimate
-    is farther off, which the residuals of `output_error` show, and the standard errors include.
-    Where process noise dominates, least squares is the better method.
+    is farther off. The residuals of `output_error` show this, and the standard errors include it.
+    If process noise dominates, least squares is the better method.
 
     Parameters
     ----------
@@ -60,13 +60,13 @@ def instrumental_variables(
     breaks : array (N,) of bool, optional
         Steps that do not follow from the previous one, such as bounces.
     motor_delay : float
-        How late the inputs act (steps), 0..1000; before the first they were 0. `output_error` can
+        Delay of the inputs (steps), 0..1000; inputs ahead of the first are 0. `output_error` can
         also estimate it.
 
     Returns
     -------
     ModelFit
-        Parameters and standard errors; `residual_rms` is that of the filtered samples.
+        Parameters and standard errors; `residual_rms` refers to the filtered samples.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def _iterate(runs: list[Segment], axis: int, theta: Floats, heading_sigma: float
 
 
 def _pole(theta: Floats) -> float:
-    """Return the pole of an axis: for every robot one is 1 and the other one is -a2."""
+    """Return the pole of an axis: every robot has one pole at 1 and the other at -a2."""
     return min(max(-float(theta[1]), 0.0), _MAXIMUM_POLE)
 
 
@@ -255,7 +255,7 @@ def _whitened(run: _Samples, simulated: Floats) -> Floats:
 
 
 def _orthonormal(columns: Floats) -> Floats:
-    """Return an orthonormal basis (N, 4) of columns whose lengths may differ by far."""
+    """Return an orthonormal basis (N, 4) of columns whose lengths may differ widely."""
     length = np.linalg.norm(columns, axis=0)
     length[length == 0] = 1
     return np.linalg.qr(columns / length)[0]

@@ -52,7 +52,7 @@ _POLES = 1 - np.geomspace(1.0, 0.01, 14)
 def initial_estimate(segments: list[Segment]) -> Floats:
     """Return theta (3, 5): for each axis the best candidate pole, with b1, b2 and d1 fitted to it.
 
-    It needs no start, has no bias by noise, and interpolates headings in the (short) gaps.
+    It needs no start, has no bias from noise, and interpolates headings in the (short) gaps.
     """
     best = _POLES[np.argmin(costs_of_poles(segments), axis=0)]
     return np.array([axis_with_pole(segments, axis, best[axis]) for axis in (X, Y, HEADING)])
@@ -90,7 +90,7 @@ def axis_with_pole(segments: list[Segment], axis: int, pole: float) -> Floats:
 
 
 def _forces(segment: Segment) -> Floats:
-    """Return what drives the axes (n, 3, 5): their first two values, then b1, b2 and d1."""
+    """Return the excitations of the axes (n, 3, 5): their first two values, then b1, b2 and d1."""
     phi, _ = regression(segment.interpolated(), segment.u)
     forces = np.zeros((len(segment.u), 3, 5))
     forces[0, :, 0] = forces[1, :, 1] = 1

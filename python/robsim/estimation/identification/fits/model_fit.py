@@ -46,12 +46,12 @@ class ModelFit(Report):
     iterations : int
         Number of iterations.
     converged : bool
-        Whether the iteration converged; if not, theta is that of the last iteration.
+        Whether the iteration converged; if not, theta is from the last iteration.
     motor_delay, motor_delay_error : float
-        How late the inputs act (steps), and the standard error; 0 if it was given.
+        Delay of the inputs (steps), and its standard error; 0 if it was given.
     process_sigma, measurement_sigma : array (3,)
-        Standard deviations of process noise and measurement noise in a step (px, px, rad), as the
-        residuals show them.
+        Standard deviations of process noise and measurement noise in a step (px, px, rad), from the
+        residuals.
     measurement_correlation : array (3,)
         Correlation of the coloured part of the measurement noise from step to step; 0 = white.
     whiteness_p_value : float
@@ -87,12 +87,12 @@ class ModelFit(Report):
 
     @property
     def title(self) -> str:
-        """What was fitted."""
+        """The kind of fit."""
         return "Parameters fitted to measured poses"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The delay of the inputs, if there is one."""
+        """The delay of the inputs, if any."""
         return delay_quantities(self.motor_delay, self.motor_delay_error)
 
     @property
@@ -107,7 +107,7 @@ class ModelFit(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What limits the fit."""
+        """The limitations of the fit."""
         remarks = []
         if not self.determined.all():
             remarks.append(
@@ -141,7 +141,7 @@ def with_noise(fit: ModelFit, noise: Noise, standard_errors: Floats | None = Non
 
 
 def delay_quantities(delay: float, error: float) -> tuple[Quantity, ...]:
-    """Return what a report says of a delay of the inputs (steps); nothing without one."""
+    """Return a report's quantities for a delay of the inputs (steps); empty without a delay."""
     quantities = (
         Quantity("motor_delay", "motor delay", delay, "steps", ".4g"),
         Quantity("motor_delay_error", "its standard error", error, "steps", ".2g"),
@@ -176,7 +176,7 @@ _LEAST_CURVATURE = 1e-3  # of -2 log likelihood, per step^2: less is rounding
 
 
 def check_delay_or_fit(delay: float | str) -> float | None:
-    """Return the argument ``motor_delay`` in steps; None = it is to be estimated."""
+    """Return the argument ``motor_delay`` in steps; None = to be estimated."""
     if isinstance(delay, str):
         if delay == "fit":
             return None
@@ -202,7 +202,7 @@ class DelayedFits(Protocol[Solution]):
         """Return a cost that is least near the best delay."""
 
     def solve(self, delay: float, known: Sequence[Solution]) -> Solution:
-        """Return the solution for a delay, found from up to two for other ones."""
+        """Return the solution for a delay, starting from up to two solutions for other delays."""
 
     def slope(self, solution: Solution, side: int) -> float:
         """Return the derivative of -2 log likelihood by the delay, to the side +1 or -1."""
@@ -232,7 +232,7 @@ def fit_delay(record: Record, fits: DelayedFits[Solution]) -> tuple[ModelFit, So
 
 
 def _lowest(slope: Callable[[float, int], float], delay: float) -> float:
-    """Return where a cost is least, downhill from a whole delay; at these it may have corners."""
+    """Return the minimum of a cost, downhill from a whole delay, where corners are possible."""
     from scipy.optimize import brentq
 
     side = 1 if slope(delay, 1) < 0 else -1
@@ -254,8 +254,8 @@ def _rms(fit: ModelFit) -> Floats:
 
 
 def _spread(at: Callable[[float], ModelFit], best: ModelFit, n: int) -> tuple[float, Floats]:
-    """Return the standard error of the best delay, and what the parameters change with it."""
-    # Numerical derivatives, at an edge of what was searched one-sided.
+    """Return the standard error of the best delay, and the parameters' slope with the delay."""
+    # Numerical derivatives, one-sided at an edge of the search range.
     h = DIFFERENCE
     middle = min(max(best.motor_delay, h), LONGEST_DELAY - h)
     fits = [at(delay) for delay in (middle - h, middle, middle + h)]

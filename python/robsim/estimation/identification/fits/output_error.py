@@ -154,20 +154,20 @@ def output_error(
     between breaks; all of them are fitted together, so that the measured positions also inform the
     heading. The noise of the poses is not in the regressors: with measurement noise alone the
     estimate has asymptotically no bias and the minimum variance. Process noise moves all later
-    poses of the path. The estimate is then farther off, which its residuals show, and the standard
-    errors include. Where process noise dominates, least squares is the better method.
+    poses of the path. The estimate is then farther off. Its residuals show this, and the standard
+    errors include it. If process noise dominates, least squares is the better method.
 
     Parameters
     ----------
     poses : array (N, 3)
         Measured x, y (work-area px), heading (rad), wrapped or not; NaN = not seen.
     u : array (N, 2)
-        The inputs given at these steps (V), also where the robot was not seen.
+        The inputs given at these steps (V), also if the robot was not seen.
     breaks : array (N,) of bool, optional
         Steps that do not follow from the previous one, such as bounces.
     motor_delay : float or str
-        How late the inputs act (steps), 0..1000; before the first they were 0. ``"fit"``: it is
-        estimated, too, within 0..10 steps.
+        Delay of the inputs (steps), 0..1000; inputs ahead of the first are 0. ``"fit"``: estimate
+        it, too, within 0..10 steps.
 
     Returns
     -------
@@ -181,22 +181,22 @@ def output_error(
 
     Notes
     -----
-    Gauss-Newton with sensitivity filters, damped where necessary (Levenberg-Marquardt). From a
-    poor initial estimate it stalls, so that one is searched over a grid of poles, for each of which
-    the path is linear in the other unknowns. x, y and heading are weighted by the residuals of the
-    last iteration. Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error
-    models), 10.2.
+    Gauss-Newton with sensitivity filters, damped if necessary (Levenberg-Marquardt). From a poor
+    initial estimate it stalls. So the start comes from a grid of poles: for each pole the path is
+    linear in the other unknowns. x, y and heading are weighted by the residuals of the last
+    iteration. Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error models),
+    10.2.
 
-    An estimated delay is that of the maximum likelihood, for normal errors of the poses: of all
-    delays the one for which the parameters fit best. The standard errors of the parameters then
-    include what the uncertainty of the delay adds to them.
+    An estimated delay maximises the likelihood, for normal errors of the poses: the parameters fit
+    best with this delay. The standard errors of the parameters then include the uncertainty of the
+    delay.
 
     The variances of process noise and measurement noise maximise the restricted likelihood of the
     residuals: Patterson and Thompson, Recovery of inter-block information when block sizes are
     unequal, Biometrika 58(3), 1971. The likelihood ratio tests for process noise. Its distribution
     at variances of 0: Self and Liang, Asymptotic properties of maximum likelihood estimators and
     likelihood ratio tests under nonstandard conditions, JASA 82(398), 1987. A correlation of
-    neighbouring errors of the poses takes the place of process noise where it is more likely.
+    neighbouring errors of the poses replaces process noise if it is more likely.
 
     Examples
     --------
@@ -243,7 +243,7 @@ class Solution:
         theta, errors = with_undetermined(unknowns.theta, linear.standard_errors())
         converged = self.converged
         if not converged:
-            # Undetermined parameters may drift for ever while the others have converged.
+            # Undetermined parameters may keep drifting while the others have converged.
             change = np.abs(linear.step(unknowns, 0.0).theta - unknowns.theta)
             converged = not (change > _SETTLED * errors)[np.isfinite(theta)].any()
         return ModelFit(
@@ -284,7 +284,7 @@ class Fits:
         return _log_sum(costs_of_poles(_pieces(self.record.with_delay(delay))).min(axis=0))
 
     def solve(self, delay: float, known: Sequence[Solution] = ()) -> Solution:
-        """Return the solution for a delay, found from up to two for other ones."""
+        """Return the solution for a delay, starting from up to two solutions for other delays."""
         record = self.record.with_delay(delay)
         segments = split(record, minimum=_MINIMUM_POSES)
         tolerance = _TOLERANCE * (_FINE if len(known) > 1 else 1.0)
