@@ -208,7 +208,7 @@ def test_use_reset_remove():
     assert done("reset") == "in use: lab\n"
     done("add", "mine", "lab")
     done("use", "mine")
-    assert done("remove", "mine") == "removed: mine; in use: lab\n"
+    assert done("remove", "mine") == "mine is removed; in use: lab\n"
     assert "mine" not in robot_names()
 
 
@@ -238,7 +238,7 @@ def test_a_drawn_robot_on_the_whole_way(rng):
     assert cli("robots", "use", "drawn").returncode == 0
     assert cli("robots", "show").stdout.startswith("drawn: image of 400 x 400 px")
     assert Path("robot-drawn.png").is_file()
-    assert done("remove", "drawn") == "removed: drawn; in use: lab\n"
+    assert done("remove", "drawn") == "drawn is removed; in use: lab\n"
 
 
 def test_a_robot_of_other_colours_is_added_and_shown():

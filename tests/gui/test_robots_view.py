@@ -64,7 +64,7 @@ def test_corners_heading_and_size_are_changed_and_undone(view, browser):
     assert view._state()["can_redo"]
     browser.say("clear")
     settled(view)
-    assert view._state()["problems"] == ["red marker needs 3 corners at least"]
+    assert view._state()["problems"] == ["red marker needs at least 3 corners"]
 
 
 @pytest.mark.long

@@ -193,7 +193,7 @@ def test_a_file_that_is_none(folder):
     for text in ("", "name = ", b"\xff\xfe", nested):
         refuses(folder(text=text), "")
     for name in ("a/robot.png", "./robot.png", "C:robot.png", "..\\\\robot.png"):
-        refuses(folder(image=f'"{name}"'), "image must be the name of a file beside")
+        refuses(folder(image=f'"{name}"'), "image must be the name of a file next to")
     for key, values in {"size": (1, 10_000), "maximum_blobs": (1, 100_000)}.items():
         for value in values:
             assert getattr(load_robot(folder(**{key: value})), key) == value

@@ -225,7 +225,7 @@ def test_other_colours(picture):
     assert "right marker (red): 0.0 %" in problem
     assert "V 240..255" in problem
     (problem,) = check_colors(robot(picture), load_colors()[:1]).sentences
-    assert problem.startswith("left marker (blue): there is no colour blue, only red")
+    assert problem.startswith("left marker (blue): unknown colour blue, known: red")
 
 
 def test_markers_that_are_too_small(picture):

@@ -248,10 +248,10 @@ def test_rotate_adds_to_the_alignment_and_keeps_what_was_written_by_hand(user_fo
 def test_remove(user_folder):
     for name in ("none", "", "..", "\0"):
         for change in (remove_robot, lambda name: rotate_robot(name, 5)):
-            with pytest.raises(ValueError, match="of your own: there is none yet"):
+            with pytest.raises(ValueError, match="; you have no robots yet"):
                 change(name)
     add_robot("mine", "lab")
-    with pytest.raises(ValueError, match="of your own: there are mine"):
+    with pytest.raises(ValueError, match="; known: mine"):
         remove_robot("../robots")
     add_robot("other", "lab")
     set_default_robot("mine")
@@ -269,7 +269,7 @@ def test_remove(user_folder):
 
 def test_what_is_not_chosen(user_folder):
     for name in ("none", "", "..", "/"):
-        with pytest.raises(ValueError, match=r"there are lab, robot2, sheep"):
+        with pytest.raises(ValueError, match=r"; known: lab, robot2, sheep"):
             set_default_robot(name)
     assert not user_folder.exists()
     add_robot("mine", "lab")

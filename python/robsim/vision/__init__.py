@@ -1,4 +1,4 @@
-"""Images and what is seen in them: frames, noise, calibrations, colours, blobs, poses, robots."""
+"""Images and their content: frames, noise, calibrations, colours, blobs, poses, robots."""
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""`Calibration`: how the pixels of a camera lie on the floor, as a value."""
+"""`Calibration`: a value that maps the pixels of a camera to the floor."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Feature = str | bool | int | float
 
 @dataclass(frozen=True, kw_only=True)
 class Residuals:
-    """How well a calibration fits what it was made from.
+    """The fit of a calibration to its data.
 
     Attributes
     ----------
@@ -62,44 +62,44 @@ _KINDS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """A camera's lens, and how it looks at the floor.
+    """A camera's lens, and its view of the floor.
 
-    ``robsim calibrate`` makes it, `save_calibration` writes it to a file, and ``robsim.Camera`` and
-    `Recording` take it, for frames of this size alone. Frames of your own take its `plane_map`.
+    ``robsim calibrate`` makes it, `save_calibration` writes it to a file. ``robsim.Camera`` and
+    `Recording` accept it, only for frames of this size. Use its `plane_map` for frames of your own.
 
     Parameters
     ----------
     size : tuple of int
         Width and height of the frames (px).
     region : tuple of int, optional
-        Left, top, width and height of the part of the sensor that they show (px). Default: not
+        Left, top, width and height of the part of the sensor in the frames (px). Default: not
         known.
     intrinsics : Intrinsics, optional
-        The lens. Default: it does not distort, and the camera's height is not known.
+        The lens. Default: no distortion, and the camera's height is not known.
     floor : PlaneMap, optional
-        The map of what lies on the floor, of the pixels of an ideal lens. Default: where the camera
-        stands is not calibrated yet.
+        The map of the floor plane, for the pixels of an ideal lens. Default: the camera's pose is
+        not calibrated yet.
     area : tuple of int, optional
         Width and height of the work area (px); with `floor`.
     mm_per_px : float, optional
-        A px of the work area on the floor (mm): the position (x, y) is `mm_per_px` times (x, y)
-        from the area's origin. Default: not known.
+        Length of a px of the work area on the floor (mm): the position (x, y) is `mm_per_px` times
+        (x, y) from the area's origin. Default: not known.
     marker_height : float
-        How high above the floor the robot's markers are (mm).
+        Height of the robot's markers above the floor (mm).
     lens_residuals, floor_residuals : Residuals, optional
-        How well both fit.
+        The fits of both.
     date : datetime.datetime, optional
-        When it was made, with its time zone.
+        Time of the calibration, with its time zone.
     features : mapping of str to str, bool, int or float
-        Settings of the camera, such as its exposure, as far as they are known.
+        Known settings of the camera, such as its exposure.
     marks : mapping of int to tuple of float
-        Where the frames showed the middles of the floor sheets' marks: (u, v) by their numbers
-        (px). A sheet that stays where it lies tells later whether the camera was moved.
+        Pixels (u, v) of the centres of the floor sheets' marks, by their numbers (px). A sheet left
+        in place later shows whether the camera was moved.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range; the message names it.
+        If an argument has the wrong type or is out of range; the message names the argument.
     """
 
     size: tuple[int, int]
@@ -137,12 +137,13 @@ class Calibration:
 
     def _check_parts(self) -> None:
         if (self.floor is None) != (self.area is None):
-            raise ValueError("floor and area belong together: give both or neither")
+            raise ValueError("floor and area must be given together")
         if self.marker_height and self.intrinsics is None:
             raise ValueError(
-                "marker_height must be 0 without intrinsics: how much higher things are shifted in "
-                "the picture depends on the lens; calibrate it first (robsim calibrate lens), or "
-                "calibrate the floor with marks that lie as high as the markers"
+                "marker_height must be 0 without intrinsics, because the shift of higher things in "
+                "the picture depends on the lens; calibrate the lens first (robsim calibrate "
+                "lens), or "
+                "calibrate the floor with marks at the height of the markers"
             )
         if self.floor is None:
             return
@@ -169,7 +170,7 @@ class Calibration:
 
     @property
     def plane_map(self) -> PlaneMap:
-        """PlaneMap: pixels of the frames <-> work area, of what is as high as the markers.
+        """PlaneMap: pixels of the frames <-> work area, at the height of the markers.
 
         Raises
         ------
@@ -183,35 +184,36 @@ class Calibration:
         """Raise a ValueError if the floor is not calibrated yet."""
         if self.floor is None:
             raise ValueError(
-                "calibration must have a floor: it has only a lens as yet (robsim calibrate floor)"
+                "calibration must have a floor, got only a lens: run robsim calibrate floor"
             )
 
     def check_frames(
         self, size: tuple[int, int], region: tuple[int, int, int, int] | None = None
     ) -> None:
-        """Raise a ValueError unless it is a calibration of such frames.
+        """Raise a ValueError unless the calibration fits these frames.
 
         Parameters
         ----------
         size : tuple of int
             Width and height of the frames (px).
         region : tuple of int, optional
-            Left, top, width and height of what they show of the sensor (px). Default: not known.
+            Left, top, width and height of the frames' part of the sensor (px). Default: not known.
         """
         size = check_size("size", size)
         region = None if region is None else check_region("region", region)
         if size != self.size:
             raise ValueError(
-                f"calibration must be of frames of {size[0]} x {size[1]} px, as these are, got one "
-                f"of frames of {self.size[0]} x {self.size[1]} px: set the camera to that size, or "
+                f"calibration must be for frames of {size[0]} x {size[1]} px, like these, got one "
+                f"for frames of {self.size[0]} x {self.size[1]} px: set the camera to that size, "
+                "or "
                 "calibrate again"
             )
         if region is None or self.region is None:
             return
         if region != self.region:
             raise ValueError(
-                f"calibration must be of the region {region} of the sensor (left, top, width, "
-                f"height), as these frames are, got one of {self.region}: set the camera to that "
+                f"calibration must be for the region {region} of the sensor (left, top, width, "
+                f"height), like these frames, got one for {self.region}: set the camera to that "
                 "region, or calibrate again"
             )
 

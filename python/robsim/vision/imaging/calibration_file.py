@@ -1,4 +1,4 @@
-"""Calibrations as TOML files: exact, and checked key by key when they are read."""
+"""Calibrations as TOML files: exact, with checks of each key on reading."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ _FILE = codec.Table(
 
 
 def save_calibration(path: str | PathLike[str], calibration: Calibration) -> None:
-    """Write a calibration as a TOML file, which people can read.
+    """Write a calibration as a human-readable TOML file.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def as_calibration(value: Any, plane_map: PlaneMap | None = None) -> Calibration
     if value is None:
         return None
     if plane_map is not None:
-        raise ValueError("calibration and plane_map both map the pixels: give one of them")
+        raise ValueError("calibration and plane_map both map the pixels: give only one of them")
     if isinstance(value, (str, PathLike)):
         value = load_calibration(value)
     if not isinstance(value, Calibration):
@@ -162,7 +162,7 @@ def calibration_text(one: Calibration) -> str:
 
 
 def load_calibration(path: str | PathLike[str]) -> Calibration:
-    """Read a calibration that `save_calibration` wrote.
+    """Read a calibration written by `save_calibration`.
 
     Parameters
     ----------
@@ -177,12 +177,12 @@ def load_calibration(path: str | PathLike[str]) -> Calibration:
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     TypeError
-        If `path` is no path.
+        If `path` is not a path.
     ValueError
-        If it is no calibration, or is damaged; the message names file and key, what was expected
-        and what came.
+        If the file is no calibration, or is damaged; the message names file and key, the expected
+        and the actual value.
     """
     return codec.load_table(path, _read)  # type: ignore[no-any-return]
 

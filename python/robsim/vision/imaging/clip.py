@@ -43,8 +43,8 @@ class Clip:
     Raises
     ------
     TypeError, ValueError
-        If there are no frames, one has the wrong type or shape or another size than the first, or
-        `fps` or `width` is out of range.
+        If there are no frames, or `fps` or `width` is out of range. If a frame has the wrong type
+        or shape, or another size than the first.
 
     Examples
     --------
@@ -59,19 +59,19 @@ class Clip:
         check_iterable(frames)
         images = list(_reduced(frames, width))
         if not images:
-            raise ValueError("frames: a clip needs at least one, got none")
+            raise ValueError("frames must have at least one frame for a clip, got none")
         self._count = len(images)
         self._size = images[0].size
         self._webp = _animation("WEBP", images, milliseconds)
         self._milliseconds = milliseconds
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the clip into a file.
+        """Write the clip to a file.
 
         Parameters
         ----------
         path : path
-            File name that ends in ``.webp`` or ``.gif``; a GIF is larger and has fewer colours.
+            File name with the suffix ``.webp`` or ``.gif``; a GIF is larger and has fewer colours.
 
         Raises
         ------

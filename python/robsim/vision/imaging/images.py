@@ -34,9 +34,9 @@ _ORIENTATION = 0x0112  # the number of EXIF's tag
 
 
 def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
-    """Read an image file, its pixels as they lie on the sensor.
+    """Read an image file, with its pixels in the order of the sensor.
 
-    A camera's live frames lie so, too. An EXIF orientation turns nothing.
+    A camera's live frames have this order, too. An EXIF orientation rotates nothing.
 
     Parameters
     ----------
@@ -53,14 +53,14 @@ def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     ValueError
         If the file is not an image, is damaged, or is too large.
 
     Warns
     -----
     UserWarning
-        Once, if viewers turn a picture by its EXIF orientation. If a picture of 16 bits holds few.
+        Once, if viewers rotate a picture by its EXIF orientation. If a 16-bit picture is very dark.
 
     Examples
     --------
@@ -90,21 +90,21 @@ def decoded(file: BinaryIO, name: str, mode: str | None = None) -> Pixels:
     except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise ValueError(f"{name} has too many pixels: at most {MOST_PIXELS} are read") from error
     except MemoryError as error:
-        raise ValueError(f"{name} cannot be read: there is not enough memory") from error
+        raise ValueError(f"{name} cannot be read: not enough memory") from error
     except Exception as error:  # Pillow's decoders raise many types
         raise ValueError(f"{name} cannot be read as an image: {cut(error)}") from error
     if is_turned:
         tell_of_turn()
     if is_deep and 0 < pixels[..., :3].max() < _DARK:
-        warn_user(f"{name} is nearly black: are 12 bits in its 16? Then multiply its values by 16")
+        warn_user(f"{name} is nearly black: if its 16 bits hold 12, multiply its values by 16")
     return pixels
 
 
 @cache
 def tell_of_turn() -> None:
-    """Warn of it, once."""
+    """Warn of a rotated picture, once."""
     warn_user(
-        "pictures that viewers turn, by EXIF or a video's metadata, are read as on the sensor"
+        "pictures that viewers rotate, by EXIF or a video's metadata, are read as on the sensor"
     )
 
 
@@ -137,7 +137,7 @@ def image_suffixes() -> set[str]:
 def _eight_bits(image: Image.Image) -> Image.Image:
     """Return an image with 8 bits per channel; Pillow itself would clip 16-bit values at 255."""
     if image.mode == "F":
-        raise ValueError("its pixels are floats, save it with 8 or 16 bits per channel")
+        raise ValueError("its pixels are floats; save it with 8 or 16 bits per channel")
     if not image.mode.startswith("I"):
         return image
     pixels = np.clip(np.asarray(image, dtype=np.int64), 0, _WHITE)
@@ -182,7 +182,7 @@ def image_file(path: str | PathLike[str]) -> tuple[Path, str]:
     file_format = Image.registered_extensions().get(file.suffix.lower())
     if file_format not in Image.SAVE:
         raise ValueError(
-            f"{one_line(file)}: the name of an image must end in .png, .jpg or the like"
+            f"{one_line(file)}: the name of an image must end in .png, .jpg or similar"
         )
     return file, file_format
 
@@ -198,7 +198,7 @@ def check_pixels(name: str, pixels: Any, channels: int, alternative: str = "") -
 
 
 def png_bytes(pixels: Pixels) -> bytes:
-    """Return an image (H, W, 3) encoded as PNG; the core's frames have it, too."""
+    """Return an image (H, W, 3) encoded as PNG, also for the core's frames."""
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, format="PNG", compress_level=1)
     return buffer.getvalue()
@@ -233,7 +233,8 @@ def frame_size(pixels: Pixels) -> tuple[int, int]:
 def check_same_size(name: str, size: tuple[int, int], first: tuple[int, int]) -> None:
     if size != first:
         raise ValueError(
-            f"{name} is {size[0]} x {size[1]} px, the frames before it {first[0]} x {first[1]} px"
+            f"{name} is {size[0]} x {size[1]} px, but the previous frames {first[0]} x {first[1]} "
+            "px"
         )
 
 

@@ -1,4 +1,4 @@
-"""Camera noise as a value, for `Simulation(noise=...)` or to be added to any image."""
+"""Camera noise as a value, for `Simulation(noise=...)` or to add to any image."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class _Noise:
         check_float("percent", self.percent, "%", minimum=0, maximum=HIGHEST)
         if 0 < self.percent < 1:
             warn_user(
-                f"a noise of {self.percent:g} is {self.percent:g} % of 0..255: "
-                f"{100 * self.percent:g} % is {type(self).__name__}({100 * self.percent:g})"
+                f"a noise of {self.percent:g} is {self.percent:g} % of 0..255; "
+                f"for {100 * self.percent:g} %, write {type(self).__name__}({100 * self.percent:g})"
             )
 
     @property
@@ -55,7 +55,7 @@ class _Noise:
         index : int
             Number of the frame: each frame has independent noise.
         out : array (H, W, 3) of uint8, optional
-            Where to write the result; it may be `image` itself. Default: a new array.
+            Array for the result; it may be `image` itself. Default: a new array.
 
         Returns
         -------
@@ -65,7 +65,7 @@ class _Noise:
         Raises
         ------
         TypeError, ValueError
-            If an argument has the wrong type, an image the wrong shape, or `out` is read-only or
+            If an argument has the wrong type, or an image the wrong shape. If `out` is read-only or
             overlaps the memory of `image` only in part.
         """
         seed = check_int("seed", seed, minimum=0, maximum=2**64 - 1)
@@ -77,8 +77,8 @@ class _Noise:
 class GaussianNoise(_Noise):
     """Gaussian noise, independent for each pixel and channel, rounded and clipped to 0..255.
 
-    Its cumulative distribution is true to 0.001, its standard deviation to 0.5 %; how often it lies
-    beyond 4 to 6 standard deviations is true, too.
+    Its cumulative distribution is exact to 0.001, its standard deviation to 0.5 %. The frequency of
+    values beyond 4 to 6 standard deviations is exact, too.
 
     Parameters
     ----------

@@ -34,29 +34,29 @@ _BORDER = 32  # points of each side of a frame that a lens bends
 class Recording:
     """A video file or a folder of images, as an iterable of frames; each iteration restarts.
 
-    In lock step: each frame comes when it is asked for, however late, and none is lost.
-    ``robsim.Camera(file)`` plays it at its own rate, and drops what nobody takes in time.
+    Iteration is in lock step: each frame is read on demand, and no frame is lost.
+    ``robsim.Camera(file)`` plays it at its own rate, and drops frames not taken in time.
 
     Parameters
     ----------
     source : path
-        A video file, or a folder of images in any format that Pillow reads, taken in natural order
+        A video file, or a folder of images in any format that Pillow reads, in natural order
         of their names (frame2 before frame10). Other files in the folder are ignored.
     plane_map : PlaneMap, optional
         Map from frame pixels to the work area. Default: the frames show exactly the whole area,
         seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: that of the calibration, or the extent that
-        the frames show; without a plane map, the size of the frames.
+        Width and height of the work area (px). Default: the calibration's, or the extent of the
+        frames; without a plane map, the size of the frames.
     dt : float, optional
-        Time between two frames (s), instead of the times of a video. Default: these; images in a
-        folder have no times.
+        Time between two frames (s), instead of the times of a video. Default: these times; images
+        in a folder have no times.
     calibration : Calibration or path, optional
-        That of the camera, in place of `plane_map`. Frames of another size are refused.
+        The camera's calibration, instead of `plane_map`. Frames of another size are refused.
     headings : int, optional
-        Number of headings that the robot is drawn in, at whole pixels, as a simulation does it;
-        then covariances of measured poses count that in. Default: what a video of robsim tells,
-        otherwise any, as a camera sees it. Images in a folder do not tell.
+        Number of drawn headings of the robot, at whole pixels, as in a simulation; the covariances
+        of measured poses then include their rounding. Default: the number in a robsim video,
+        otherwise any, as in a camera's view. Images in a folder have no number.
 
     Attributes
     ----------
@@ -68,21 +68,21 @@ class Recording:
         Width and height of the work area (px).
     dt : float or None
         Time between two frames (s), longer by whole intervals where frames were lost. None = not
-        constant, or unknown: images in a folder have no times, and an `Experiment` takes the dt of
+        constant, or unknown: images in a folder have no times, and an `Experiment` uses the dt of
         its model.
     size : tuple of int
         Width and height of the frames (px).
     count : int
-        Number of frames, of damaged ones, too.
+        Number of frames, including damaged ones.
     calibration : Calibration or None
-        That of the camera.
+        The camera's calibration.
     headings : int or None
-        Number of headings that the robot is drawn in; None = any, or not known.
+        Number of drawn headings of the robot; None = any, or not known.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file or folder.
+        If the file or folder does not exist.
     ImportError
         If it is a video, and PyAV is not installed.
     TypeError, ValueError
@@ -92,15 +92,15 @@ class Recording:
     Warns
     -----
     UserWarning
-        At the end of an iteration: if damaged frames or frames of another size were left out, or
-        a video is truncated. An `Experiment` has a step without a frame for a frame left out.
+        At the end of an iteration: if damaged frames or frames of another size were omitted, or a
+        video is truncated. An `Experiment` has a step without a frame for each omitted frame.
 
     Notes
     -----
     A video has the times of its file, from the first frame on. A frame that depends on a damaged
-    one may show remains of it. Of an interlaced video, a frame shows the field that was exposed
-    first, at its time; yadif interpolates the other rows, at 0.1 px and 0.3 degrees of a pose.
-    Frames lie as on the sensor, also where viewers turn a video or photo.
+    frame may show remains of it. For an interlaced video, a frame shows the field exposed first, at
+    its time; yadif interpolates the other rows, at a cost of 0.1 px and 0.3 degrees of a pose.
+    Frames keep the sensor's order, also where viewers rotate a video or photo.
 
     Examples
     --------
@@ -123,8 +123,9 @@ class Recording:
     ) -> None:
         if isinstance(source, int) or re.match(r"/dev/|[a-z]{3,}:/", str(source)):
             raise ValueError(
-                f"source must be a video file or a folder of images, got {quoted(source)}: for a "
-                "live camera, give its frames to robsim.Experiment"
+                f"source must be a video file or a folder of images, got {quoted(source)}; pass "
+                "the "
+                "frames of a live camera to robsim.Experiment"
             )
         self.source = as_path(source, "source")
         check_kind("plane_map", plane_map, PlaneMap, or_none=True)
@@ -165,7 +166,7 @@ class Recording:
         yield from (one for one in self._each() if isinstance(one, Frame))
 
     def _each(self) -> Iterator[Frame | Observation]:
-        """Yield a step for each picture, without a frame for one that cannot be read."""
+        """Yield a step for each picture, without a frame for an unreadable picture."""
         unread: list[ValueError | None] = []
         for index, pixels in enumerate(self._images.read()):
             try:
@@ -191,7 +192,7 @@ class Recording:
         return Frame(pixels, t=t, index=index, plane_map=self.plane_map, headings=headings)
 
     def _at(self, index: int) -> Frame:
-        """Return a frame, in any order; IndexError: it is missing, ValueError: it is damaged."""
+        """Return a frame, in any order; IndexError: a missing frame, ValueError: a damaged one."""
         return self._frame(index, self._images.at(index))
 
     def __repr__(self) -> str:
@@ -212,7 +213,7 @@ class Recording:
 
 
 def left_out(unread: Sequence[ValueError | None], count: int) -> str:
-    """Return how many of the pictures could not be used, and why, as a sentence; maybe empty."""
+    """Return the number of unusable pictures, and the reason, as a sentence; maybe empty."""
     named = "; ".join(map(str, unread[:_MOST_NAMED])) + "; ..." * (len(unread) > _MOST_NAMED)
     return f"{len(unread)} of {count} pictures are left out: {named}" if unread else ""
 
@@ -264,7 +265,7 @@ def _natural_order(file: Path) -> tuple[list[str | int], str]:
 
 
 def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:
-    """Return the width and height of the work area that the frames show (px)."""
+    """Return the width and height of the work area in the frames (px)."""
     border = _border(size, 1 if plane_map.intrinsics is None else _BORDER)
     ideal = border if plane_map.intrinsics is None else plane_map.intrinsics.ideal(border)
     is_seen = np.isfinite(ideal).all()
@@ -273,7 +274,7 @@ def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:
     extent = plane_map.to_world(border).max(axis=0) + 0.5
     if not is_seen or np.ptp(np.sign(scale)) or extent.min() < 1:
         raise ValueError(
-            "area: with this plane map the frames do not show how large the area is, "
+            "area: with this plane map the frames do not show the size of the area; "
             "give its width and height in px"
         )
     width, height = np.rint(extent).astype(int).tolist()

@@ -1,4 +1,4 @@
-"""Writing frames to video files with PyAV, and what all readers of videos need."""
+"""Writing frames to video files with PyAV, and tools for all video readers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _NOTE = re.compile(rb"robsim headings ([1-9][0-9]{0,7}) *")
 
 
 def note_headings(file: Path, headings: int) -> None:
-    """Note at the end of a video how many headings the robot is drawn in."""
+    """Note at the end of a video the number of drawn headings of the robot."""
     text = f"robsim headings {headings}".encode().ljust(_NOTE_LENGTH)
     if len(text) > _NOTE_LENGTH:  # as good as any heading
         return
@@ -50,7 +50,7 @@ def note_headings(file: Path, headings: int) -> None:
 
 
 def noted_headings(file: Path) -> int | None:
-    """Return what `note_headings` has noted in a video; None = nothing."""
+    """Return the note of `note_headings` in a video; None = no note."""
     padding = _PADDING.get(file.suffix.lower())
     if padding is None:
         return None
@@ -124,18 +124,18 @@ SUFFIXES = f"{', '.join(_CODECS)}; .mkv and .avi are lossless."
 
 
 class VideoWriter:
-    """A video file that is written frame by frame, for a ``with`` statement.
+    """A video file, written frame by frame, for a ``with`` statement.
 
     The suffix of the file name selects the codec. ``.mkv`` and ``.avi`` are lossless: use them for
     measurements (about 0.6 MB for a frame of 1200 x 1200 px). ``.mp4`` and ``.webm`` are much
     smaller, for viewing; browsers play ``.webm``. They blur the edges of the markers by a fraction
     of a pixel, which shifts a pose by about 0.2 px and 0.3 degrees.
 
-    Frames of a simulation tell in how many headings the robot is drawn; the file keeps that for
-    `robsim.Recording`, in a note at its end. Arrays do not tell it.
+    Frames of a simulation carry the number of drawn headings. The file keeps it for
+    `robsim.Recording`, in a note at its end. Arrays have no such number.
 
-    The file gets its name when it is complete: when the ``with`` block ends, also by an exception.
-    The frames written before an exception can be played.
+    The file gets its name after completion: at the end of the ``with`` block, also after an
+    exception. Frames written before an exception are playable.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ class VideoWriter:
     OSError
         If the file cannot be written.
     TypeError, ValueError
-        If the suffix is unknown or `fps` is out of range; at the end, if there were no frames.
+        If the suffix is unknown or `fps` is out of range; at the end, if no frame was written.
 
     Examples
     --------
@@ -194,9 +194,9 @@ class VideoWriter:
         Raises
         ------
         OSError
-            If the disk is full, or the codec knows no frames of this size.
+            If the disk is full, or the codec does not support frames of this size.
         TypeError, ValueError
-            If it has the wrong type or shape, or has another size than the frames before.
+            If the frame has the wrong type or shape, or another size than the previous frames.
         """
         self._write("frame", frame)
 
@@ -266,13 +266,13 @@ class VideoWriter:
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         self.close()
         if self.count == 0 and error is None:
-            raise ValueError(f"{one_line(self.path)}: there were no frames to write")
+            raise ValueError(f"{one_line(self.path)}: no frames were written")
 
 
 def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, fps: float) -> None:
     """Write frames to a video file.
 
-    If the iterable raises, the file contains the frames before, and the exception propagates.
+    If the iterable raises, the file contains the previous frames, and the exception propagates.
 
     Parameters
     ----------
@@ -286,7 +286,7 @@ def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, f
     Raises
     ------
     ImportError, OSError, TypeError, ValueError
-        As `VideoWriter`.
+        As for `VideoWriter`.
 
     Examples
     --------
@@ -302,7 +302,7 @@ def save_video(path: str | PathLike[str], frames: Iterable[Frame | Pixels], *, f
 
 
 def save_small_video(file: Path, frames: Iterable[Pixels], *, fps: float) -> None:
-    """Write a .webm to look at, of a seventh of the size."""
+    """Write a .webm for viewing, about a seventh of the size."""
     with VideoWriter(file, fps=fps) as video:
         video._codec = _SMALL_WEBM
         for frame in frames:

@@ -1,4 +1,4 @@
-"""The frames of a video file and their times, by PyAV."""
+"""The frames of a video file and their times, read with PyAV."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class VideoReader:
             raise ValueError(f"{one_line(file)} is an image, not a video: give its folder")
         if content_of(file, 5) == b"\x89MCAP":
             raise ValueError(
-                f"{one_line(file)} is a session: give robsim.trace.Session(...), "
-                "or its video, by robsim sessions video"
+                f"{one_line(file)} is a session: use robsim.trace.Session(...), "
+                "or convert it with robsim sessions video"
             )
         stamps, n, end, has_keys = array("q"), 0, 0.0, False
         with self._open() as (container, stream):
@@ -90,7 +90,7 @@ class VideoReader:
             index = number + 1
 
     def at(self, index: int) -> Pixels:
-        """Return a frame; IndexError: it is missing, ValueError: it cannot be decoded."""
+        """Return a frame; IndexError: a missing frame, ValueError: an undecodable frame."""
         if not 0 <= index < self.count:
             raise IndexError(f"there is no {self.name(index)}")
         # An interlaced frame needs the previous one; a seek may land behind.
@@ -123,7 +123,7 @@ class VideoReader:
                     index = found
 
     def _progressive(self, frames: Iterator[Any], stream: Any) -> Iterator[Any]:
-        """Yield frames, of interlaced ones the rows of the field that was exposed first."""
+        """Yield frames; for interlaced video, the rows of the field exposed first."""
         graph = None
         for frame in chain(frames, [None]):
             if graph is None and frame is not None and frame.interlaced_frame:
@@ -139,7 +139,7 @@ class VideoReader:
                 yield frame
 
     def _decoded(self, container: Any, stream: Any) -> Iterator[Any]:
-        """Yield frames, but no grey ones: a damaged key frame, and frames that depend on it."""
+        """Yield frames, except grey ones: a damaged key frame, and the frames that depend on it."""
         is_ffv1 = stream.codec_context.name == "ffv1"  # each frame depends on the previous one
         has_sums = False
         damaged, first = set[int](), self._first  # stamps; a cut file and a seek begin with grey

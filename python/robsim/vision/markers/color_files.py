@@ -61,7 +61,7 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
     Parameters
     ----------
     path : path, optional
-        The file. Default: the one that ships with robsim, with red and blue.
+        The file. Default: the file shipped with robsim, with red and blue.
 
     Returns
     -------
@@ -71,9 +71,9 @@ def load_colors(path: str | PathLike[str] | None = None) -> tuple[ColorClass, ..
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     ValueError
-        If it is not TOML, or not a colour file; the message names the file and the table.
+        If the file is not TOML, or not a colour file; the message names the file and the table.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def colors_of_text(text: str) -> tuple[ColorClass, ...]:
 
 def _colors_of(tables: dict[str, Any]) -> tuple[ColorClass, ...]:
     if not tables:
-        raise ValueError("it has no colours, expected tables such as [red]")
+        raise ValueError("it has no colours; expected tables such as [red]")
     _check_count(len(tables))
     return COLORS.read("", tables)  # type: ignore[no-any-return]
 
@@ -140,17 +140,17 @@ def save_colors(
 ) -> None:
     """Write colour classes to a colour file.
 
-    An existing file keeps its comments and its other colours; colours of the same name get the
+    An existing file keeps its comments and its other colours; colours with the same name get the
     new ranges.
 
     Parameters
     ----------
     path : path
-        The file; it is created, with its folder, if needed.
+        The file; created, with its folder, if needed.
     colors : ColorClass or iterable of ColorClass
         The colours.
     remove : iterable of str
-        Names of other colours that an existing file is not to keep.
+        Names of other colours to remove from an existing file.
 
     Raises
     ------
@@ -222,7 +222,7 @@ def _classes(colors: ColorClass | Iterable[ColorClass]) -> tuple[ColorClass, ...
 
 
 def as_colors(colors: str | PathLike[str] | Iterable[ColorClass] | None) -> tuple[ColorClass, ...]:
-    """Return colour classes as a tuple, read from a file for a path; None = the shipped ones."""
+    """Return colour classes as a tuple, from a file for a path; None = the shipped ones."""
     if colors is None or isinstance(colors, (str, PathLike)):
         return load_colors(colors)
     if not isinstance(colors, Iterable):

@@ -41,7 +41,7 @@ class Sweep:
 
     The name is ``"brightness"``, ``"shadow"``, ``"uniform noise"``, ``"gaussian noise"`` or
     ``"gaussian noise in shadow"``. Levels are factors of brightness, factors in the shadow, or
-    noise (%). `widened_rates` are of the colour with the proposed margin.
+    noise (%). `widened_rates` are for the colour with the proposed margin.
     """
 
     name: str
@@ -52,12 +52,12 @@ class Sweep:
 
 @dataclass(frozen=True, kw_only=True)
 class ColorScore(report.Report):
-    """How robustly a colour is detected: the result of `score_color`.
+    """Robustness of a colour's detection: the result of `score_color`.
 
     Attributes
     ----------
     color : ColorClass
-        The colour that was scored.
+        The scored colour.
     margin : int
         The margin (levels) with the highest detection rate, as in `ColorClass.widened`: 0 = no
         change, negative = narrower.
@@ -86,7 +86,7 @@ class ColorScore(report.Report):
 
     @property
     def title(self) -> str:
-        """What was scored."""
+        """The subject: the detection of a colour."""
         return "Detection of a colour in other light and noise"
 
     @property
@@ -95,7 +95,7 @@ class ColorScore(report.Report):
 
     @property
     def quantities(self) -> tuple[report.Quantity, ...]:
-        """Mean detection rates, and the margin that is proposed."""
+        """Mean detection rates, and the proposed margin."""
         name = report.Quantity("color", "colour", self.color.name)
         rate = report.Quantity("rate", "mean detection rate", self.rate, format=report.percent)
         margin = report.Quantity("margin", "proposed margin", self.margin, "levels")
@@ -128,8 +128,8 @@ class ColorScore(report.Report):
         if any(rate for sweep in self.sweeps for rate in sweep.rates):
             return ()
         return (
-            f"nothing was detected at all: is there a box of {self.color.name} pixels in each "
-            "region, and are they within the ranges of the colour?",
+            f"nothing was detected: check that each region has a box of {self.color.name} "
+            "pixels, within the ranges of the colour",
         )
 
 
@@ -150,12 +150,12 @@ def score_color(
     repeats: int = 5,
     seed: int = 0,
 ) -> ColorScore:
-    """Score how robustly a colour is detected when the light changes and noise is added.
+    """Score the robustness of a colour's detection against changed light and noise.
 
     The colour counts as detected under two conditions. Each region contains the centroid of a blob
     of a third to three times its area; no other blob has such an area. The image is made darker and
-    brighter. It gets a shadow whose edge runs through the first region. It gets camera noise, in
-    the light and in the shadow.
+    brighter. It gets a shadow with an edge through the first region. It gets camera noise, in the
+    light and in the shadow.
 
     Parameters
     ----------

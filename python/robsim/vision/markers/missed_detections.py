@@ -1,4 +1,4 @@
-"""Says in a sentence why steps of a run are without a detection, for ``run`` and ``track``."""
+"""A sentence on the steps of a run without a detection, for ``run`` and ``track``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robsim._core import (
 )
 from robsim.base.warn import warn_user
 
-# The reasons that are not words yet; the others, such as "no blue blob", are.
+# Short reasons and their sentences; other reasons, such as "no blue blob", stay unchanged.
 _WORDS = {
     "noise": "the markers do not stand out of the noise",
     "at the border": "blobs at the border of the frame only",
@@ -33,7 +33,7 @@ _WORDS = {
 def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None:
     """Return a sentence on missed steps, their most frequent reason first; None = nothing missed.
 
-    It has the first step that was missed for that reason. `steps` is the length of the run.
+    It has the first step missed for that reason. `steps` is the length of the run.
     """
     if not missed:
         return None
@@ -50,15 +50,15 @@ def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None
 
 
 class SmallMarkersWarning(UserWarning):
-    """The markers are too small in the frames for poses that can be trusted at their noise.
+    """Warning: the markers are too small in the frames for reliable poses at their noise.
 
     Attributes
     ----------
     width : float
         Width of the smaller marker: the side of a square of its area (px of the frame).
     noise : float
-        Standard deviation of the noise of a channel (grey levels): that of the simulated camera,
-        or what a frame shows.
+        Standard deviation of the noise of a channel (grey levels), from the simulated camera or
+        measured in a frame.
     """
 
     def __init__(self, message: str, width: float, noise: float) -> None:
@@ -68,12 +68,12 @@ class SmallMarkersWarning(UserWarning):
 
     @property
     def signal_to_noise(self) -> float:
-        """The figure to be expected of them in good light; poses can be trusted from 4 on."""
+        """The markers' expected ratio in good light; poses are reliable from 4 on."""
         return expected_signal_to_noise(self.width, self.noise)
 
     @property
     def trusted_width(self) -> float:
-        """The width from which poses can be trusted at this noise (px of the frame)."""
+        """The width from which poses are reliable at this noise (px of the frame)."""
         return trusted_width(self.noise)
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Pictures of colour classes: which pixel belongs to which."""
+"""Pictures of colour classes, with each pixel in the colour of its class."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from robsim.vision.imaging.images import Pixels
 
 Mask = NDArray[np.bool_]
 _SEVERAL = (255, 255, 255)
-# For class names that are not the name of a colour.
+# For class names other than the name of a colour.
 _OTHERS = ((255, 0, 255), (0, 255, 255), (255, 160, 0), (160, 255, 0))
 
 
 def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
-    """Paint which pixel belongs to which colour class.
+    """Paint each pixel in the colour of its class.
 
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
-        RGB; pixels of no class are painted in dark grey, by their brightness.
+        RGB; pixels without a class are painted in dark grey, by their brightness.
     masks : dict of str to array (H, W) of bool
         As from `classify`. A class whose name is a colour is painted in that colour; pixels of
         several classes are white.

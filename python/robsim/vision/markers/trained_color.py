@@ -1,4 +1,4 @@
-"""The result of training a colour on several frames: its class, and how the colour drifts."""
+"""The result of training a colour on several frames: its class and its drift."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ class TrainedColor(report.Report):
     color : ColorClass
         The class: as wide as the classes of all frames together.
     frames : array (N,) of int
-        Numbers of the frames that it was trained on, from 0.
+        Numbers of the frames used for training, from 0.
     medians : array (N, 3)
-        Medians of Y (the level), U and V of the colour in each (levels).
+        Medians of Y (the level), U and V of the colour in each frame (levels).
     margins : array (N,)
-        How far the medians of each are within the nearest limit of the class (levels).
+        Distance of each frame's medians to the nearest limit of the class (levels).
     shares : array (N,)
-        Share of the pixels of each that the class takes, 0..1.
+        Share of each frame's pixels in the class, 0..1.
     histograms : array (3, 256)
-        How many pixels have each value of Y, U and V, in all frames together.
+        Number of pixels with each value of Y, U and V, in all frames together.
     missed : int
         Frames without the colour: the robot was not found, or the colour was too weak.
     """
@@ -46,7 +46,7 @@ class TrainedColor(report.Report):
 
     @property
     def drift(self) -> float:
-        """float: how far the margin moves over the frames, largest minus smallest (levels)."""
+        """float: range of the margin over the frames, largest minus smallest (levels)."""
         return float(np.ptp(self.margins))
 
     @property
@@ -56,12 +56,12 @@ class TrainedColor(report.Report):
 
     @property
     def is_at_risk(self) -> bool:
-        """bool: the drift eats the margin: the same again, and the colour would be lost."""
+        """bool: the drift eats the margin: the same drift again would lose the colour."""
         return self.least_margin < self.drift
 
     @property
     def title(self) -> str:
-        """What was trained."""
+        """The subject: the training of a colour."""
         return "Training of a colour"
 
     @property
@@ -106,22 +106,23 @@ class TrainedColor(report.Report):
 
     @property
     def _shown(self) -> NDArray[np.int64]:
-        """Which frames the table shows: evenly over all, with that of the smallest margin."""
+        """The frames in the table: evenly spread, and always the frame of the smallest margin."""
         count = len(self.frames)
         some = np.linspace(0, count - 1, min(count, _MOST_ROWS)).round().astype(int)
         return np.unique([*some, int(self.margins.argmin())])
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Where the margin is smallest, if the drift eats it, and what the table leaves out."""
+        """The frame of the smallest margin, if the drift eats it, and the frames left out."""
         remarks = []
         if self.is_at_risk:
             worst = self.frames[self.margins.argmin()]
             remarks.append(
                 f"the light moves {self.color.name} by {self.drift:.0f} levels, and in frame "
                 f"{worst} it is only {self.least_margin:.0f} within the limits of its class: the "
-                "same again, and it is lost. Keep the light and the exposure steady, or train on "
-                "frames of all the light there is"
+                "same drift again would lose it. Keep the light and the exposure steady, or train "
+                "on "
+                "frames that cover all light conditions"
             )
         if len(self._shown) < len(self.frames):
             remarks.append(f"the table shows {len(self._shown)} of {len(self.frames)} frames")

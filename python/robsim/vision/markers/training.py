@@ -1,4 +1,4 @@
-"""Training of colours on several frames: with a region each, or with the robot tracked."""
+"""Training of colours on several frames: with a region each, or along a robot's track."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ def train_color(
 ) -> TrainedColor:
     """Train a colour on regions of several images, such as the same marker in other light.
 
-    The class is as wide as those of all regions together, so that it holds in each of the images.
+    The class is as wide as the classes of all regions together, and thus valid in each image.
 
     Parameters
     ----------
     images : Frame, array (H, W, 3) of uint8, or iterable of them
         RGB.
     regions : tuple of four ints, or sequence of them
-        (left, top, right, bottom), all included (px): one for each image; of a single image, any
+        (left, top, right, bottom), all included (px): one for each image; for a single image, any
         number.
     name, percentile, margin, limit_y
         As for `ColorClass.from_region`.
@@ -61,13 +61,13 @@ def train_color(
     Returns
     -------
     TrainedColor
-        The class, and how level and chroma of the colour drift from image to image.
+        The class, and the drift of the colour's level and chroma from image to image.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape, if a region does not lie within its image, or
-        has hardly any colour; with several regions the message names it.
+        If an argument has the wrong type or shape. If a region does not lie within its image, or
+        has hardly any colour; with several regions the message names the region.
 
     Examples
     --------
@@ -106,10 +106,10 @@ def train_markers(
     percentile: float | None = None,
     margin: int | None = None,
 ) -> tuple[TrainedColor, TrainedColor]:
-    """Train the colours of both markers on a recording in which the robot drives.
+    """Train the colours of both markers on a recording of the driving robot.
 
     The robot is located in each frame, and the colours are trained on the inner part of its
-    markers. So they hold wherever it was, in the light of the whole floor.
+    markers. So they are valid all along its path, in the light of the whole floor.
 
     Parameters
     ----------
@@ -118,25 +118,25 @@ def train_markers(
     markers : MarkerLayout
         The positions of the markers on the robot.
     colors : path, iterable of ColorClass, optional
-        The colours that it is found by, with those of the markers. Default: those that ship
-        with robsim. Where they find it by the second chance only, see `Detection`, that is enough.
+        The initial colours, including the markers'. Default: the colours shipped with robsim.
+        Detections by the second chance, see `Detection`, are sufficient.
     regions : dict of str to tuple of four ints, optional
-        In place of `colors`, the region of each of the markers' colours, such as ``"red"`` and
-        ``"blue"``, in the first frame (px).
+        Instead of `colors`: the region of each marker colour, such as ``"red"`` and ``"blue"``, in
+        the first frame (px).
     percentile, margin
         As for `ColorClass.from_region`.
 
     Returns
     -------
     tuple of TrainedColor
-        Those of both markers in the order of their roles, right before left, or front before back,
-        with their drift from frame to frame.
+        The colours of both markers in the order of their roles, right before left, or front before
+        back. Each has its drift from frame to frame.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape, if there are no frames, or if the robot is found
-        in none; the message says why.
+        If an argument has the wrong type or shape, or if there are no frames. If the robot is found
+        in no frame; the message gives the reason.
 
     Examples
     --------
@@ -177,7 +177,7 @@ def train_markers(
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """A region of a picture that has the colour."""
+    """A region of a picture in the colour."""
 
     picture: str  # which one, for people
     region: Region
@@ -199,7 +199,7 @@ class Sample:
         return np.asarray((parts < 0.5).sum(axis=1), float)
 
     def share_in(self, color: ColorClass) -> float:
-        """Return the share of its pixels that a class takes, by the channel that takes fewest."""
+        """Return the share of its pixels in a class, in the channel with the smallest share."""
         taken = [
             counts[lower : upper + 1].sum()
             for counts, (lower, upper) in zip(
@@ -221,7 +221,7 @@ class _Samples:
             "limit_y": check_bool("limit_y", limit_y),
             **{key: value for key, value in given.items() if value is not None},
         }
-        # What is wrong with them is said before a recording is read.
+        # Errors in the options are raised before a recording is read.
         ColorClass.from_histograms(_ONE_PIXEL, **(self._options | {"limit_y": True}))
         self._frames: list[int] = []
         self._regions: list[Sample] = []
@@ -249,7 +249,7 @@ class _Samples:
         left_out = [*missed, *self._skipped]
         if not self._frames:
             raise ValueError(
-                f"frames must show {self._options['name']}, got none that does: {left_out[0]}"
+                f"frames must show {self._options['name']}, got no such frame: {left_out[0]}"
             )
         color = _widest(self._classes)
         medians = np.array([one.medians for one in self._regions])
@@ -293,7 +293,7 @@ def square_within(area: float, centroid: Floats) -> tuple[int, int, int, int]:
 
 
 def _widest(classes: Sequence[ColorClass]) -> ColorClass:
-    """Return the class that takes what any of them takes."""
+    """Return the smallest class that contains all these classes."""
     ranges = {
         channel: (
             min(getattr(color, channel)[0] for color in classes),
@@ -348,14 +348,14 @@ def _frames(frames: Any) -> Iterable[tuple[int, Frame | Pixels]]:
     for k, one in enumerate(getattr(frames, "_each", frames.__iter__)()):
         frame = one.frame if isinstance(one, Observation) else one
         if frame is None:
-            continue  # none came in this step
+            continue  # a step without a frame
         if not _is_picture(frame):
             raise TypeError(f"frames must be frames, such as a Recording, got one of {quoted(one)}")
         yield k, frame
 
 
 def _is_picture(value: Any) -> bool:
-    """Return whether it is a frame or pixels; of what size these are is checked with their use."""
+    """Return whether a value is a frame or pixels; its size is checked later, on use."""
     if isinstance(value, Frame):
         return True
     return isinstance(value, np.ndarray) and value.dtype == np.uint8 and value.ndim == _AXES

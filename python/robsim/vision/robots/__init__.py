@@ -1,4 +1,4 @@
-"""Robots: their definitions (image, outline, markers), where they are stored, the default one."""
+"""Robots: their definitions (image, outline, markers), their files, the default robot."""
 
 from robsim.vision.robots.definition import BlobMarker, RobotDefinition
 from robsim.vision.robots.files import save_robot

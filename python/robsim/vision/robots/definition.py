@@ -1,4 +1,4 @@
-"""The robot definition: image, outline and markers, checked when it is made."""
+"""The robot definition: image, outline and markers, checked on creation."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())
 
 @dataclass(frozen=True, eq=False)
 class BlobMarker(Value):
-    """A marker of one colour, which vision sees as a blob: a value.
+    """A marker of one colour, visible as a blob: a value.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ class BlobMarker(Value):
         Polygon around it (px of the robot's image): right, down from the centre of the top left
         pixel.
     color : str
-        Name of its colour class: one of a colour file. It tells the marker from others.
+        Name of its colour class in a colour file. It distinguishes the marker from others.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape; the message names it.
+        If an argument has the wrong type or shape; the message names the argument.
     """
 
     polygon: Floats = field(repr=False)
@@ -51,9 +51,9 @@ class BlobMarker(Value):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotDefinition(Value):
-    """What a robot looks like from above: a value, which never changes.
+    """The appearance of a robot from above: an immutable value.
 
-    Definitions of the same content are equal and have the same hash. The arrays are read-only
+    Definitions with the same content are equal and have the same hash. The arrays are read-only
     copies; ``dataclasses.replace(robot, image=...)`` makes another definition.
 
     Parameters
@@ -65,24 +65,24 @@ class RobotDefinition(Value):
     size : float
         Width of the image on the work area (px).
     alignment : float
-        Clockwise rotation of the image (degrees) after which the robot faces right.
+        Clockwise rotation of the image (degrees) that makes the robot face right.
     outline : array (N, 2)
         Polygon around the robot (image px): right, down from the centre of the top left pixel.
     markers : dict of str to BlobMarker
-        The two markers by their roles, which say where they sit: ``"right"`` and ``"left"``, or
+        The two markers by their roles, which give their positions: ``"right"`` and ``"left"``, or
         ``"front"`` and ``"back"``. Their colours must differ.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centre of the image.
     maximum_blobs : int
-        Number of the largest blobs of each colour among which the markers are searched.
+        Number of the largest blobs of each colour in the search for the markers.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape or is out of range; the message names it.
-        Polygons must not intersect themselves, the centre and the markers must lie inside the
-        outline, the markers must not overlap, and their roles be true after the rotation by
-        `alignment`.
+        If an argument has the wrong type or shape or is out of range; the message names the
+        argument. Polygons must not intersect themselves. The centre and the markers must lie inside
+        the outline. The markers must not overlap, and their roles must be true after the rotation
+        by `alignment`.
     """
 
     name: str
@@ -164,7 +164,7 @@ class RobotDefinition(Value):
         return float(np.sqrt(np.square(self.to_robot_frame(self.outline)).sum(axis=1)).max())
 
     def marker_layout(self) -> MarkerLayout:
-        """Return the geometry of the markers, by which `locate` finds this robot."""
+        """Return the geometry of the markers, with which `locate` finds this robot."""
         return self._marker_layout
 
     @cached_property
@@ -179,7 +179,7 @@ class RobotDefinition(Value):
 def roles_by_color(polygons: Mapping[str, Floats], alignment: float) -> dict[str, str]:
     """Return the role by colour, first marker first, of polygons (N, 2) in image px.
 
-    The heading decides, which `alignment` (degrees) gives.
+    The heading, from `alignment` (degrees), decides.
     """
     places = np.array([area_and_centroid(polygon)[1] for polygon in polygons.values()])
     roles = fitting_roles(*_rotated(places, alignment))
@@ -192,7 +192,7 @@ def from_colors(
 ) -> RobotDefinition:
     """Return a robot from marker polygons (N, 2), image px, by colour; their roles follow.
 
-    `alignment` and all `parts` are of `RobotDefinition`.
+    `alignment` and all `parts` are fields of `RobotDefinition`.
     """
     check_float("alignment", alignment, "degrees")
     polygons = {color: polygon(f"markers[{color!r}]", given) for color, given in markers.items()}

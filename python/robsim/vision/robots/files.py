@@ -21,7 +21,7 @@ from robsim.vision.robots.definition import DEFAULT_COLORS, BlobMarker, RobotDef
 from robsim.vision.robots.marker_roles import ROLES, roles_of
 from robsim.vision.robots.polygon_checks import finite_array
 
-#: The definition file of a robot folder, and the image beside it.
+#: The definition file of a robot folder, and the image next to the file.
 TOML = "robot.toml"
 IMAGE = "robot.png"
 _WHAT = "robot definition "
@@ -122,13 +122,13 @@ def _read(folder: Path, file: str) -> RobotDefinition:
 def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     """Write a robot definition: a ``robot.toml`` with comments, and its image ``robot.png``.
 
-    Where there is such a definition, it is replaced at once: whatever happens, the folder has the
-    old or the new one. The image is called ``robot-2.png`` if the old one is ``robot.png``.
+    An existing definition is replaced at once: even after a crash, the folder has the old or the
+    new one. The image is called ``robot-2.png`` if the old one is ``robot.png``.
 
     Parameters
     ----------
     folder : path
-        The folder; it is created if needed. Other files in it are kept.
+        The folder; created if needed. Other files in it are kept.
     robot : RobotDefinition
         The robot. Points are rounded to 0.01 px of the image.
 
@@ -154,7 +154,7 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
 
 
 def _image_names(folder: Path, content: bytes) -> tuple[str, str | None]:
-    """Return the name for the new image of a folder, and that of the old one, if there is one."""
+    """Return the name for the new image of a folder, and the old image's name, if any."""
     try:
         old = _image_name(FileVersion.of(folder / TOML))
     except (ValueError, OSError):  # no definition that could be kept
@@ -175,7 +175,7 @@ def _image_file(name: str, value: Any) -> str:
     # PureWindowsPath knows the path separators of all systems.
     file = check_text(name, value)
     if file in ("", ".", "..") or PureWindowsPath(file).name != file:
-        raise ValueError(f"{name} must be the name of a file beside {TOML}, got {quoted(file)}")
+        raise ValueError(f"{name} must be the name of a file next to {TOML}, got {quoted(file)}")
     return file
 
 

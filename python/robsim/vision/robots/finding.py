@@ -1,4 +1,4 @@
-"""Makes a robot definition from a plain image: outline by opacity, markers by colour."""
+"""A robot definition from a plain image: outline by opacity, markers by colour."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MAXIMUM_SIDE = 1000  # px, larger images are scaled down
 _SIZE = 120.0  # work-area px
 OPAQUE = 127  # alpha above it is opaque
 _CORNERS = 36  # of a polygon
-_POINTS = 200_000  # about the number of sample points in a blob whose shape is measured
+_POINTS = 200_000  # approximate number of sample points in a blob.
 
 
 def robot_from_image(
@@ -44,31 +44,31 @@ def robot_from_image(
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
     marker_colors: Sequence[str] | None = None,
 ) -> RobotDefinition:
-    """Make a robot definition from an image; arguments that are not given are derived from it.
+    """Make a robot definition from an image; missing arguments are derived from the image.
 
     Parameters
     ----------
     name : str
         Name of the robot.
     image : array (h, w, 4) of uint8
-        RGBA. If its longer side exceeds 1000 px, it is scaled down, and the points with it.
+        RGBA. If its longer side exceeds 1000 px, the image and the points are scaled down.
     size : float, optional
         Width of the image on the work area (px). Default: 120.
     alignment : float, optional
-        Clockwise rotation of the image (degrees) after which the robot faces right. Default: 0.
+        Clockwise rotation of the image (degrees) that makes the robot face right. Default: 0.
     centre : array (2,), optional
         The robot's centre (image px). Default: the centroid of the outline.
     outline : array (N, 2), optional
-        Polygon around the robot (image px). Default: around the opaque pixels, so the border of
-        an image without transparency.
+        Polygon around the robot (image px). Default: around the opaque pixels, which is the border
+        of an image without transparency.
     markers : dict of str to array (N, 2), optional
-        Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default of
-        each: around the largest blob of the colour, with the area and the centroid of the blob.
-        The roles of the markers follow from where they lie when the robot faces right.
+        Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
+        each: around the largest blob of the colour, with the area and the centroid of the blob. The
+        roles of the markers follow from their positions when the robot faces right.
     colors : path or iterable of ColorClass, optional
-        Colour file, or classes, to find the markers with. Default: those that ship with robsim.
+        Colour file, or classes, to find the markers. Default: the colours shipped with robsim.
     marker_colors : sequence of 2 str, optional
-        Which of them the markers have, in any order. Default: red and blue.
+        The colours of the markers, in any order. Default: red and blue.
 
     Returns
     -------
@@ -112,8 +112,8 @@ def robot_from_image(
     )
     if outline is None and (small[..., 3] > OPAQUE).all():
         warn_user(
-            "the image has no transparency, so its border is the outline, and what surrounds the "
-            "robot is part of it: make the surroundings transparent, or give an outline"
+            "the image has no transparency, so its border is the outline, with the surroundings "
+            "of the robot: make the surroundings transparent, or give an outline"
         )
     return robot
 
@@ -137,7 +137,7 @@ def _in_scale(points: Floats, scale: Floats) -> Floats:
 def check_markers_by_color(
     markers: Mapping[str, ArrayLike] | None, colors: Sequence[str]
 ) -> Mapping[str, ArrayLike]:
-    """Return polygons of markers by their colours, if these are those of the robot."""
+    """Return polygons of markers by their colours, if they match the robot's colours."""
     if markers is None:
         return {}
     expected = f"markers must be polygons by the colours {' and '.join(colors)}"
@@ -202,7 +202,7 @@ def marker_in(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Float
     if not found:
         known = ", ".join(color.name for color in colors)
         raise ValueError(
-            f"{name} marker: there is no colour {name}, only {known}: give colours that have a "
+            f"{name} marker: unknown colour {name}, known: {known}; give colours with a "
             f"{name}, other marker_colors, or the marker's polygon"
         )
     pixels = over_grey(image)

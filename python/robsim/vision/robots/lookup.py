@@ -1,4 +1,4 @@
-"""Finds and loads robots by name: first those that ship with robsim, then the user's."""
+"""Finds and loads robots by name: first the shipped ones, then the user's."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robsim.vision.robots.files import TOML, read_robot
 
 #: The default robot until the user chooses another.
 DEFAULT = "lab"
-_RESET = f"`robsim robots reset` goes back to {DEFAULT!r}"
+_RESET = f"`robsim robots reset` restores {DEFAULT!r}"
 
 
 def data_folder() -> Path:
@@ -119,7 +119,7 @@ def _folders(parent: Path) -> dict[str, Path]:
 
 
 def name_key(name: str) -> str:
-    """Return what is equal for names that differ in case, or in how accents are encoded."""
+    """Return a key that is equal for names that differ in case, or in the encoding of accents."""
     return unicodedata.normalize("NFC", name).casefold()
 
 
@@ -128,7 +128,7 @@ def same_name(name: str, names: dict[str, Path]) -> str | None:
 
 
 def robot_names() -> list[str]:
-    """Return the names of all robots: those that ship with robsim, then the user's.
+    """Return the names of all robots: first the shipped ones, then the user's.
 
     Examples
     --------
@@ -145,8 +145,8 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
     Parameters
     ----------
     robot : str or path, optional
-        Name of a robot that ships with robsim or that you added, or a folder with a
-        ``robot.toml``. Default: the default robot, see `set_default_robot`.
+        Name of a shipped robot or of your own, or a folder with a ``robot.toml``. Default: the
+        default robot, see `set_default_robot`.
 
     Returns
     -------
@@ -158,7 +158,7 @@ def load_robot(robot: str | PathLike[str] | None = None) -> RobotDefinition:
     TypeError
         If `robot` is neither a name nor a path.
     ValueError
-        If there is no such robot, or its files do not define one; the message names the file.
+        If the robot is unknown, or its files do not define one; the message names the file.
 
     Examples
     --------
@@ -203,23 +203,23 @@ def unknown_robot_error(robot: object, hint: str = "") -> ValueError:
     """Return the error for the name of a robot that does not exist."""
     names = robot_names()
     meant = suggestion(str(robot), names)
-    return ValueError(f"no robot {quoted(str(robot))}: there are {listed(names)}{meant or hint}")
+    return ValueError(f"no robot {quoted(str(robot))}; known: {listed(names)}{meant or hint}")
 
 
 def set_default_robot(name: str) -> None:
-    """Choose the default robot: the one of a simulation that names no other.
+    """Choose the default robot: the robot of simulations without a name of one.
 
-    The choice is stored for this user until it is changed or reset by `reset_default_robot`.
+    The choice is stored for this user, until another choice or `reset_default_robot`.
 
     Parameters
     ----------
     name : str
-        Name of a robot that ships with robsim or that you added.
+        Name of a shipped robot or of your own.
 
     Raises
     ------
     ValueError
-        If there is no such robot, or its files do not define one.
+        If the robot is unknown, or its files do not define one.
     """
     folder = find_folder(check_text("name", name))
     if folder is None:
@@ -238,7 +238,7 @@ def as_robot(robot: str | PathLike[str] | RobotDefinition | None) -> RobotDefini
 
 
 class StoredRobot(NamedTuple):
-    """A folder with a robot, whether it ships with robsim, and whether its name leads to it."""
+    """A folder with a robot, whether it is shipped, and whether its name leads to it."""
 
     name: str
     folder: Path
@@ -248,7 +248,7 @@ class StoredRobot(NamedTuple):
 
 
 def stored_robots(default: str | None) -> list[StoredRobot]:
-    """Return the robots that ship with robsim, then the user's; `default` is the one in use."""
+    """Return the shipped robots, then the user's; `default` is the one in use."""
     chosen = None if default is None else find_folder(default)
     return [
         StoredRobot(name, folder, is_shipped, folder == find_folder(name), folder == chosen)

@@ -31,7 +31,7 @@ GREY = 128
 #: The minimum area of a blob that `find_blobs` returns (px of the frame).
 MINIMUM_AREA = 12
 _MINIMUM_FRACTION = 0.6  # of a marker polygon that must have the colour
-_MAXIMUM_OFFSET = 2.0  # work-area px from the centroid of a blob to that of its polygon
+_MAXIMUM_OFFSET = 2.0  # work-area px between the centroids of a blob and its polygon.
 _MARGIN = 4  # px around the image, so that no blob touches the border
 
 
@@ -40,19 +40,19 @@ def check_colors(
 ) -> CheckReport:
     """Check whether the camera finds a robot by its markers' colours.
 
-    The image is checked at the size that it has on the work area, in the light and in the shadow.
+    The image is checked at its size on the work area, in the light and in the shadow.
 
     Parameters
     ----------
     robot : RobotDefinition
         The robot.
     colors : path or iterable of ColorClass, optional
-        Colour file or classes. Default: the colours that ship with robsim.
+        Colour file or classes. Default: the colours shipped with robsim.
 
     Returns
     -------
     CheckReport
-        `ok` if the robot is found; else its `sentences` say why not.
+        `ok` if the robot is found; else its `sentences` give the reasons.
 
     Raises
     ------
@@ -83,8 +83,8 @@ def _problems(view: _View, classes: dict[str, ColorClass]) -> list[str]:
         name = marker.color
         if name not in classes:
             problems.append(
-                f"{role} marker ({name}): there is no colour {name}, only {', '.join(classes)}: "
-                f"give colours that have a {name}, or give the robot other marker_colors"
+                f"{role} marker ({name}): unknown colour {name}, known: {', '.join(classes)}; "
+                f"use colours with a {name}, or give the robot other marker_colors"
             )
         elif problem := view.problem(marker.polygon, classes[name]):
             problems.append(f"{role} marker ({name}): {problem}")
@@ -127,7 +127,7 @@ class _View:
         return positions
 
     def problem(self, marker: Floats, color: ColorClass) -> str | None:
-        """Return why a marker is not detected; None if it is."""
+        """Return the reason for a missed marker; None if it is detected."""
         polygon = self.to_view(marker)
         area, centroid = area_and_centroid(polygon)
         if area * self.unit**2 < MINIMUM_AREA:
@@ -149,7 +149,7 @@ class _View:
         return self._mismatch(color, area, centroid)
 
     def _mismatch(self, color: ColorClass, area: float, centroid: Floats) -> str | None:
-        """Return how the blob nearest to a marker polygon differs from it; None if it fits."""
+        """Return the difference of the nearest blob to a marker polygon; None if it fits."""
         blobs = self._blobs([color])[color.name]
         if not blobs:
             return "no blob of the colour is large enough to be detected"
@@ -165,12 +165,12 @@ class _View:
             right, down = (blob.centroid - _MARGIN + 0.5) / self.scale - 0.5
             return (
                 f"the blob detected there has its centroid at ({right:.5g}, {down:.5g}), "
-                f"{min(offsets):.1f} px of the work area from that of the polygon"
+                f"{min(offsets):.1f} px of the work area from the polygon's"
             )
         return None
 
     def location_problems(self, colors: list[ColorClass]) -> list[str]:
-        """Return a sentence if the markers are detected, but the robot is not located by them."""
+        """Return a sentence if the markers are detected, but do not locate the robot."""
         plane_map = PlaneMap.scaled(
             (self.pixels.shape[1], self.pixels.shape[0]),
             (self.pixels.shape[1] * self.unit, self.pixels.shape[0] * self.unit),
@@ -179,10 +179,7 @@ class _View:
         detection = detect(blobs, self.robot.marker_layout(), plane_map=plane_map)
         if detection.measurement is not None:
             return []
-        return [
-            "the markers are detected, but the robot is not located by them: "
-            + detection.explanation
-        ]
+        return ["the markers are detected, but do not locate the robot: " + detection.explanation]
 
     def _blobs(self, colors: list[ColorClass]) -> dict[str, list[Blob]]:
         minimum_area = max(1, round(MINIMUM_AREA / self.unit**2))
@@ -192,18 +189,18 @@ class _View:
 _LIKE = 0.5  # correlation from which the robot is there
 _LEAD = 0.25  # of the correlation with exchanged channels
 _VISIBLE = 0.8  # fraction of the robot that must lie within the frame
-_AROUND_MARKER = 1.4  # of a marker's size; its colour spreads beyond its edge
+_AROUND_MARKER = 1.4  # of a marker's size, because its colour spreads.
 _OPAQUE = 250  # alpha
 
 
 def looks_mirrored(
     frame: Frame, robot: RobotDefinition, detect: Callable[[Frame], Detection]
 ) -> bool:
-    """Return whether a frame shows the robot only if its red and blue channels are exchanged.
+    """Return whether a frame shows the robot only with its red and blue channels exchanged.
 
     The markers fit in both orders of the channels, with headings half a turn apart. Only the rest
-    of the robot's image is correlated with the frame at both poses. A robot that looks the same
-    from both sides, or unlike its image, cannot be judged.
+    of the robot's image is correlated with the frame at both poses. The result is unreliable for a
+    robot that looks the same from both sides, or unlike its image.
     """
     exchanged = Frame.from_bgr(frame.image, plane_map=frame.plane_map)
     given, other = (_likeness(shown, robot, detect(shown)) for shown in (frame, exchanged))

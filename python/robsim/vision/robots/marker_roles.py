@@ -1,4 +1,4 @@
-"""The roles of a robot's markers: right and left, or front and back; what is given by them."""
+"""The roles of a robot's markers, right and left, or front and back; values by role."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ROLES = marker_roles()
 
 
 class ByRole(Mapping[str, T], Generic[T]):
-    """What each of two markers has, by its role: a dict that cannot be changed."""
+    """A value for each of two markers, by its role: an immutable dict."""
 
     __slots__ = ("_values",)
 

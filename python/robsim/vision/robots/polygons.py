@@ -75,7 +75,7 @@ def depths(polygon: Floats, points: Floats) -> Floats:
 
 
 def blurred(polygon: Floats, points: Floats, width: float) -> Floats:
-    """Return how much (M,) of a normal distribution around each point lies inside.
+    """Return the share (M,) of a normal distribution around each point that lies inside.
 
     `width` is its standard deviation. A side lies h w from a point, between the angles a and b.
     With Owen's T the triangle of both has

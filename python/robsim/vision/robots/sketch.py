@@ -1,4 +1,4 @@
-"""A robot in drawing: its picture and polygons, guesses of polygons, and its problems."""
+"""A robot under construction: its picture and polygons, guesses of polygons, its problems."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ from robsim.vision.robots.polygons import area_and_centroid, mask
 #: The part that is no marker.
 OUTLINE = "outline"
 _FEWEST, _MOST = 3, 200  # corners
-_FLOOR = 150  # level of what lies below a robot's picture
+_FLOOR = 150  # level of the floor below a robot's picture
 
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """A robot to be defined; a missing polygon has no corners.
+    """A robot under definition; a missing polygon has no corners.
 
     `image` (h, w, 4) is uint8 RGBA, `size` its width on the work area (px), `alignment` (degrees)
-    the clockwise rotation after which the robot faces right. `outline` (N, 2) and `markers`, by
-    colour, are polygons in image px; roles follow from places. `centre` (2,) is in image px, by
+    the clockwise rotation that makes the robot face right. `outline` (N, 2) and `markers`, by
+    colour, are polygons in image px; roles follow from positions. `centre` (2,) is in image px, by
     default the outline's.
     """
 
@@ -57,7 +57,7 @@ class Sketch:
 
     @classmethod
     def of(cls, robot: RobotDefinition) -> Sketch:
-        """Return what there is of a robot."""
+        """Return the sketch of a complete robot."""
         names = ("image", "size", "alignment", "centre", "maximum_blobs", "outline")
         return cls(markers=by_color(robot), **{name: getattr(robot, name) for name in names})
 
@@ -65,7 +65,7 @@ class Sketch:
     def of_picture(cls, pixels: Pixels, size: float, colors: Iterable[ColorClass]) -> Sketch:
         """Return a picture (h, w, 3 or 4), of robots' size at most, with guesses of its parts.
 
-        `size` is its width on the work area (px). ValueError: it is transparent everywhere.
+        `size` is its width on the work area (px). ValueError: the picture is fully transparent.
         """
         sketch = cls(_with_alpha(_reduced(pixels)), size=size)
         if is_cut_out(sketch.image):
@@ -80,7 +80,7 @@ class Sketch:
 
     @property
     def parts(self) -> dict[str, Floats]:
-        """The polygons, in the order in which they are drawn: the outline, markers by colour."""
+        """The polygons, in the order of drawing: the outline, markers by colour."""
         return {OUTLINE: self.outline, **self.markers}
 
     @property
@@ -91,7 +91,7 @@ class Sketch:
         return roles_by_color(self.markers, self.alignment)
 
     def called(self, part: str) -> str:
-        """Return what a part is called in a sentence, such as "right marker (red)"."""
+        """Return the name of a part in a sentence, such as "right marker (red)"."""
         if part == OUTLINE:
             return part
         role = self.roles.get(part)
@@ -99,7 +99,7 @@ class Sketch:
 
     @property
     def middle(self) -> Floats:
-        """The robot's centre: its own, or that of an outline that was drawn, or of the picture."""
+        """The robot's centre: the given one, or else the outline's, or else the picture's."""
         if self.centre is not None:
             return self.centre
         if len(self.outline) >= _FEWEST:
@@ -114,7 +114,7 @@ class Sketch:
         return self.parts[name]
 
     def with_part(self, name: str, polygon: Any) -> Sketch:
-        """Return a sketch with a polygon (N, 2) of up to 200 corners for a part; empty = none."""
+        """Return a sketch with a polygon (N, 2) of up to 200 corners, or none, for a part."""
         is_empty = isinstance(polygon, Sized) and len(polygon) == 0
         corners = np.empty((0, 2)) if is_empty else finite_array("polygon", polygon, (-1, 2))
         if len(corners) > _MOST:
@@ -125,7 +125,7 @@ class Sketch:
         return replace(self, markers={**self.markers, name: np.array(corners)})
 
     def guessed(self, part: str, colors: Iterable[ColorClass]) -> Sketch:
-        """Return it with a part as it is found in the picture; ValueError if it is not."""
+        """Return a sketch with a part found in the picture; ValueError if it is not found."""
         if part == OUTLINE and is_cut_out(self.image):
             return self.with_part(part, opaque_outline(self.image))
         image = over_floor(self.image).image
@@ -134,10 +134,10 @@ class Sketch:
         return self.with_part(part, guess_marker(image, self.outline, part, colors))
 
     def problems(self) -> list[str]:
-        """Return what is missing or wrong, a sentence each; empty: it is a robot."""
+        """Return the problems, a sentence each; empty: the sketch is a robot."""
         missing = [part for part, corners in self.parts.items() if len(corners) < _FEWEST]
         if missing:
-            return [f"{self.called(part)} needs {_FEWEST} corners at least" for part in missing]
+            return [f"{self.called(part)} needs at least {_FEWEST} corners" for part in missing]
         height, width = self.image.shape[:2]
         try:  # without corners that lie on each other
             outline = polygon(OUTLINE, self.outline)
@@ -167,7 +167,7 @@ class Sketch:
         )
 
     def _cut_out(self) -> Pixels:
-        """Return the picture; what surrounds the robot in one without transparency is cut off."""
+        """Return the picture; surroundings of the robot without transparency are cut off."""
         if (self.image[..., 3] < 255).any():
             return self.image
         height, width = self.image.shape[:2]
@@ -190,7 +190,7 @@ def over_floor(image: Pixels) -> Frame:
     return Frame(shown.astype(np.uint8))
 
 
-_RIM = 0.06  # of the shorter side: what is floor
+_RIM = 0.06  # of the shorter side: the floor
 _SIGMA = 1.4826  # of a normal distribution, by its median absolute deviation
 _LEAST_SPREAD = 3.0  # levels
 _FAR = 6.0  # spreads from the floor

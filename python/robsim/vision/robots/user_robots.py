@@ -1,4 +1,4 @@
-"""Adding, rotating and removing the user's robots; `robsim robots` calls it."""
+"""Adding, rotating and removing the user's robots, for `robsim robots`."""
 
 from __future__ import annotations
 
@@ -73,30 +73,29 @@ def add_robot(
     name : str
         Its name: 1 to 40 letters of any language, digits, - and _; case does not matter.
     source : RobotDefinition, str or path
-        A definition, the name of a robot, a folder with a ``robot.toml``, or an image
-        file. Arguments that are not given below are taken from it; from an image as by
-        `robot_from_image`.
+        A definition, the name of a robot, a folder with a ``robot.toml``, or an image file. Missing
+        arguments below come from it; from an image as by `robot_from_image`.
     size : float, optional
         Width of the image on the work area (px). Default for an image: 120.
     alignment : float, optional
-        Clockwise rotation of the image (degrees) after which the robot faces right. Default for
-        an image: 0.
+        Clockwise rotation of the image (degrees) that makes the robot face right. Default for an
+        image: 0.
     centre : array (2,), optional
         The robot's centre (image px). Default for an image: the centroid of the outline.
     outline : array (N, 2), optional
         Polygon around the robot (image px). Default for an image: around the opaque pixels.
     markers : dict of str to array (N, 2), optional
         Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
-        an image: the largest blobs of the colours. The roles of the markers follow from where they
-        lie when the robot faces right.
+        an image: the largest blobs of the colours. The roles of the markers follow from their
+        positions when the robot faces right.
     colors : path or iterable of ColorClass, optional
-        Colour file, or classes, to find and check the markers with. Default: the colours that ship
-        with robsim.
+        Colour file, or classes, to find and check the markers. Default: the colours shipped with
+        robsim.
     marker_colors : sequence of 2 str, optional
-        Which of them the markers have: of an image, in any order; of a robot, in that of its roles,
-        right and left, or front and back. Default for an image: red and blue.
+        The colours of the markers: for an image, in any order; for a robot, in the order of its
+        roles, right and left, or front and back. Default for an image: red and blue.
     overwrite : bool
-        Replace your robot of this name, if there is one.
+        Replace your robot of this name, if any.
     ignore_colors : bool
         Add the robot even if its markers are not detected with these colours.
 
@@ -108,7 +107,7 @@ def add_robot(
     Raises
     ------
     ValueError
-        If the name or the robot is not valid; the message says why. Nothing is stored then.
+        If the name or the robot is not valid; the message gives the reason. Nothing is stored then.
 
     Warns
     -----
@@ -131,8 +130,9 @@ def add_robot(
     problems = [] if ignore_colors else check_colors(robot, colors).sentences
     if problems:
         raise ValueError(
-            f"{'; '.join(problems)}. ignore_colors=True, in the shell --anyway, adds the robot "
-            "anyway; the colour file can be changed later"
+            f"{'; '.join(problems)}. ignore_colors=True, in the shell --anyway, still adds the "
+            "robot; "
+            "the colour file can be changed later"
         )
     return _store(robot, overwrite)
 
@@ -163,7 +163,7 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
     name : str
         Name of the robot.
     degrees : float
-        Angle that is added to its alignment (degrees).
+        Angle to add to its alignment (degrees).
 
     Returns
     -------
@@ -192,7 +192,7 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
 
 
 def _set_roles(document: TOMLDocument, robot: RobotDefinition, alignment: float) -> None:
-    """Give the markers' tables of a definition file the roles that another alignment makes."""
+    """Give the markers' tables of a definition file the roles that follow from an alignment."""
     import tomlkit
 
     roles = roles_by_color(by_color(robot), alignment)
@@ -231,21 +231,19 @@ def remove_robot(name: str) -> None:
 
 
 def check_new_name(name: str, overwrite: bool) -> None:
-    """Raise TypeError or ValueError for a name that a new robot cannot have."""
+    """Raise TypeError or ValueError for an invalid name of a new robot."""
     if not is_plain(check_text("name", name), "-_"):
         raise ValueError(
-            f"name must be 1 to {LONGEST_NAME} letters, digits, - and _, the first a letter or a "
-            f"digit, got {quoted(name)}"
+            f"name must be 1 to {LONGEST_NAME} letters, digits, - and _, starting with a letter "
+            f"or a digit, got {quoted(name)}"
         )
     if _RESERVED.fullmatch(name):
-        raise ValueError(
-            f"name must not be one that Windows reserves for a device, got {quoted(name)}"
-        )
+        raise ValueError(f"name must not be reserved by Windows for a device, got {quoted(name)}")
     _check_not_shipped(name)
     existing = same_name(name, user_robots())
     if existing is not None and not overwrite:
         raise ValueError(
-            f"you have a robot {quoted(existing)} already: overwrite=True, "
+            f"you already have a robot {quoted(existing)}: overwrite=True, "
             "in the shell --overwrite, replaces it"
         )
 
@@ -255,18 +253,18 @@ def _check_not_shipped(name: str) -> None:
     if shipped is not None:
         raise ValueError(
             f"the robot {shipped!r} ships with robsim and cannot be changed: "
-            f"`robsim robots add my-{shipped} {shipped}` makes a copy that you can change"
+            f"`robsim robots add my-{shipped} {shipped}` makes a copy for your changes"
         )
 
 
 def _user_robot(name: str) -> Path:
-    """Return the folder of one of the user's robots; raise ValueError if there is none."""
+    """Return the folder of one of the user's robots; raise ValueError for an unknown name."""
     robots = user_robots()
     found = same_name(check_text("name", name), robots)
     if found is None:
         _check_not_shipped(name)
-        names = f"there are {listed(robots)}" if robots else "there is none yet"
-        raise ValueError(f"you have no robot {quoted(name)} of your own: {names}")
+        names = f"known: {listed(robots)}" if robots else "you have no robots yet"
+        raise ValueError(f"you have no robot {quoted(name)}; {names}")
     return robots[found]
 
 
@@ -282,7 +280,7 @@ def _read_source(source: str | PathLike[str]) -> RobotDefinition | Pixels:
         return read_robot(folder)
     if folder.is_dir():
         raise ValueError(
-            f"the folder {one_line(folder)} has no {TOML}, so it does not define a robot"
+            f"the folder {one_line(folder)} has no {TOML} and thus does not define a robot"
         )
     if not folder.is_file():
         raise ValueError(
@@ -320,7 +318,7 @@ def _store(robot: RobotDefinition, overwrite: bool) -> RobotDefinition:
 
 @contextmanager
 def _locked(parent: Path) -> Iterator[None]:
-    """Let one process at a time change the robots; a killed one lets go of it."""
+    """Let one process at a time change the robots; a killed process releases the lock."""
     if sys.platform == "win32":
         yield
         return
