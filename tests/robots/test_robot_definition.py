@@ -220,7 +220,7 @@ def test_a_broken_picture_names_both_files(folder):
 
 def test_an_unknown_robot():
     for robot in ("no such robot", "", "..", "/", "\0", "lab/robot.toml"):
-        with pytest.raises(ValueError, match=r"there are .*lab"):
+        with pytest.raises(ValueError, match=r"known: .*lab"):
             load_robot(robot)
     with pytest.raises(TypeError, match=r"\brobot\b"):
         load_robot(3)

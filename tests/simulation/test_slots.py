@@ -66,7 +66,7 @@ def test_a_slot_is_the_decorator_and_returns_the_function():
     assert sim.control(drive) is drive
     assert sim.control == drive
     assert tuple(sim.run(1).u[0]) == (0.1, 0.2)
-    with pytest.raises(TypeError, match="without brackets"):
+    with pytest.raises(TypeError, match="without parentheses"):
 
         @sim.control()
         def control(step):
@@ -265,7 +265,7 @@ def reads_parameters(step):
 def test_a_step_that_lacks_what_is_used_says_why():
     lost = {"control": reads_measurement, "measure": True, "dropout": robsim.Dropout(0.9)}
     for options, reason in (
-        ({"control": reads_measurement}, "step.measurement is None: no measurement is on"),
+        ({"control": reads_measurement}, "step.measurement is None: the measurement is off"),
         ({"control": reads_measurement, "measure": lambda step: None},
          "step.measurement is None: the robot was not seen"),
         (lost, "step.measurement is None: the robot was not seen in this step: no blue blob"),

@@ -27,7 +27,7 @@ _CUTOFF = 0.8  # a folder has files of the user's own, too
 
 
 def misspelled(names: Iterable[str]) -> dict[str, str]:
-    """Return the names that resemble a slot name, and that slot."""
+    """Return the names that resemble a slot name, with that slot."""
     names = list(names)
     slots = {other: name for name, slot in SLOTS.items() for other in (*slot.other_names, name)}
     suggestions = {}
@@ -48,7 +48,7 @@ Callbacks = dict[str, Callable[..., Any] | bool]
 def new_folder(folder: str | PathLike[str]) -> list[Path]:
     """Write the default callbacks as templates to a folder, created if needed; return the files.
 
-    It writes nothing if one exists there (FileExistsError), or if `folder` is a file
+    If one of the files exists, it writes nothing (FileExistsError), nor if `folder` is a file
     (NotADirectoryError).
     """
     return copy_files([slot.template for slot in SLOTS.values()], folder)
@@ -58,8 +58,8 @@ class CallbackFolder:
     """A folder with a file for each callback, named after its slot, such as ``control.py``.
 
     A file defines a function of that name; ``ENABLED = False`` switches it off. Files for slots
-    other than `slots` are not executed. Others are helper modules, which the callbacks import by
-    name; `given` modules by name, without ``.py``, replace them.
+    other than `slots` are not executed. Other files are helper modules, which the callbacks import
+    by name; `given` modules by name, without ``.py``, replace them.
     """
 
     def __init__(
@@ -76,10 +76,10 @@ class CallbackFolder:
         self._unchanged: list[tuple[str, int, int, int]] | None = None
 
     def load(self) -> Callbacks:
-        """Read, compile and execute the files; if one fails, the modules loaded before are kept.
+        """Read, compile and execute the files; if one fails, the previously loaded modules stay.
 
         Return the callback of each slot with a file; False = off, True = the default stage. An
-        error of a file, SyntaxError too, gets a note with its name. A missing folder raises
+        error of a file, also SyntaxError, gets a note with its name. A missing folder raises
         FileNotFoundError or NotADirectoryError; missing callbacks raise ValueError or TypeError. A
         name like a misspelled slot gives a UserWarning.
         """
@@ -97,7 +97,7 @@ class CallbackFolder:
         return callbacks
 
     def load_saved(self) -> Callbacks:
-        """Load; an error counts if the files stay what they are, and are not just being saved."""
+        """Load; an error counts only for stable files, not for files during saving."""
         while True:
             sources = self._read()
             try:
@@ -122,7 +122,7 @@ class CallbackFolder:
         slots: Sequence[str],
         builtins: dict[str, Any] | None = None,
     ) -> tuple[CallbackFolder, Callbacks]:
-        """Return a folder of files that were read before (`FolderModules`), and its callbacks."""
+        """Return a folder of already read files (`FolderModules`), and its callbacks."""
         other = cls(path, slots)
         other._absolute = absolute
         other._modules = FolderModules(path, absolute, sources, builtins)
@@ -130,7 +130,7 @@ class CallbackFolder:
 
     @property
     def sources(self) -> Mapping[str, bytes]:
-        """The files that were loaded last, by name without ``.py``."""
+        """The last loaded files, by name without ``.py``."""
         return self._modules.sources
 
     def _executed(self, modules: FolderModules) -> Callbacks:
@@ -148,7 +148,7 @@ class CallbackFolder:
 
     @property
     def helpers(self) -> set[str]:
-        """Names, without ``.py``, of the helper modules that were there at the last load."""
+        """Names, without ``.py``, of the helper modules at the last load."""
         return set(self._modules.helpers)
 
     @property
@@ -168,17 +168,16 @@ class CallbackFolder:
         return changed
 
     def _state(self) -> list[tuple[str, int, int, int]] | None:
-        """Return what tells that no file has changed, at a tenth of the cost of reading them.
+        """Return a state that is equal if no file has changed, at a tenth of the cost of reading.
 
-        None where it does not tell: for a file that was changed just now, since a second change
-        may have the same time.
+        The result may be None, because a file can change twice within the same time stamp.
         """
         newest = (time.time() - _COARSEST_CLOCK) * 1e9
         try:
             with os.scandir(self._absolute) as entries:
                 files = [(e.name, e.stat()) for e in entries if e.name.endswith(".py")]
         except OSError:
-            return None  # reading says what is wrong
+            return None  # reading raises the error
         if any(file.st_mtime_ns > newest for _, file in files):
             return None
         return [(name, file.st_mtime_ns, file.st_size, file.st_ino) for name, file in files]
@@ -205,8 +204,7 @@ class CallbackFolder:
         sources = {file.stem: file.read_bytes() for file in sorted(files) if file.is_file()}
         if not sources.keys() & set(self._slots):
             hints = [
-                f"; is {name}.py meant to be {slot}.py?"
-                for name, slot in misspelled(sources).items()
+                f"; should {name}.py be {slot}.py?" for name, slot in misspelled(sources).items()
             ]
             remedy = f"robsim new {one_line(self.path)} writes them"
             if len(self._slots) < len(SLOTS):
@@ -260,12 +258,12 @@ def _similarity(name: str, slot: str) -> float:
     return difflib.SequenceMatcher(None, name.lower(), slot).ratio()
 
 
-#: What is wrong with a file of `taken_names`.
-TAKEN = "has the name of a module that comes with Python or robsim: rename it"
+#: The error of `taken_names`.
+TAKEN = "has the name of a module of Python or robsim: rename it"
 
 
 def taken_names(names: Iterable[str], imported: set[str]) -> list[str]:
-    """Return the names of files that are imported, and mean modules of Python or robsim."""
+    """Return the names of imported files that hide modules of Python or robsim."""
     return sorted(reserved_names(names) & imported)
 
 

@@ -1,4 +1,4 @@
-"""Where the inputs of an `Experiment` go."""
+"""The destination of the inputs of an `Experiment`."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _all_motors: WeakSet[CalledMotors] = WeakSet()
 
 @atexit.register
 def _stop_all() -> None:
-    """Stop what drives when Python ends, such as after `step`."""
+    """Stop driving motors when Python ends, such as after `step`."""
     for motors in [*_all_motors]:
         motors.stop()
 
 
 def motors_of(send: Callable[[Floats], Any], stop_input: Floats | None) -> MotorLink | CalledMotors:
-    """Return the link that `send` is, or an object around it that stops the robot as a link does.
+    """Return the link that `send` is, or a wrapper that stops the robot like a link.
 
     `send(u)` brings an input (2,), in V, to the robot. `stop_input` (2,), V, stops it; None =
     nothing is sent at the end. A link has its own stop: another one raises ValueError.
@@ -62,7 +62,7 @@ class CalledMotors:
         self.stop()
 
     def resume(self) -> None:
-        """Take inputs from now on."""
+        """Accept inputs from now on."""
         self._process = os.getpid()
         self._is_halted = False
 
@@ -70,23 +70,23 @@ class CalledMotors:
         """Send an input; HaltedError if the robot was halted in this run."""
         if self._is_halted:
             raise HaltedError("the robot was stopped: it takes no input before the next run")
-        self._has_moved = True  # even if it fails: nobody knows what has arrived
+        self._has_moved = True  # even after a failure, as the input may have arrived
         self._send(u)
 
     def halt(self) -> None:
-        """Stop the robot from any thread; the run sends nothing more, its end stops it again."""
+        """Stop the robot from any thread; the run sends no more inputs, and stops it again."""
         self._is_halted = True
         if not self._must_stop:
             return
         for _ in range(_STOPS):
-            with suppress(BaseException):  # the end of the run tells what is wrong
+            with suppress(BaseException):  # the end of the run reports the error
                 self._send(np.array(self._stop_input))
 
     def stop(self) -> Floats | None:
-        """Send the stop input, unless nothing was sent since the last one; return what was sent.
+        """Send the stop input, unless it was the last input; return the sent input.
 
-        It is sent twice, as a line may lose it, and tried again where it fails. It raises nothing:
-        `_check_stop` does. A Ctrl-C does not keep it from being sent, and is kept there, too.
+        It is sent twice, as a line may lose it, and sent again after a failure. It raises nothing:
+        `_check_stop` does. A Ctrl-C does not prevent sending, and is delivered afterwards.
         """
         if not self._must_stop:
             return None
@@ -109,7 +109,7 @@ class CalledMotors:
         return self._stop_input
 
     def _check_stop(self) -> None:
-        """Raise, once, what went wrong when the robot was stopped."""
+        """Raise, once, the error of stopping the robot."""
         if self._error is not None:
             error, self._error = self._error, None
             raise error

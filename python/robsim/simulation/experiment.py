@@ -1,4 +1,4 @@
-"""The class `Experiment`: the loop with frames from outside, and inputs to a real robot."""
+"""The class `Experiment`: the loop with external frames, and inputs to a real robot."""
 
 from __future__ import annotations
 
@@ -62,61 +62,62 @@ _LONGEST_FRAME_TIMEOUT = 0.3  # s, by default; so long a robot drives when the l
 class Experiment(Runner):
     """A robot under a real camera, or its recording, driven by the callbacks of a simulation.
 
-    Each step runs these stages in order: a frame comes; the parameter estimator gets the newest
-    sample; the measurement evaluates the frame; the state estimator updates its estimate; the
-    controller returns an input, which is sent at once.
+    Each step runs these stages in order. A frame comes, then the parameter estimator gets the
+    newest sample. The measurement evaluates the frame, and the state estimator updates its
+    estimate. The controller returns an input, which is sent at once.
 
-    Whatever ends a run stops the robot: its last step, the end of the frames, an exception, Ctrl-C,
-    `stop`, a frame that does not come, and the end of a ``with`` block. After `step` it drives
-    until the next one, at most for `frame_timeout`.
+    Each end of a run stops the robot: its last step, the end of the frames, an exception, Ctrl-C,
+    `stop`, a missing frame, and the end of a ``with`` block. After `step` the robot drives until
+    the next one, at most for `frame_timeout`.
 
     Parameters
     ----------
     frames : iterable of Frame, Observation or None
-        One item for each step; it is asked for when the step before is over. None = no frame in
-        this step: nothing is measured. An `Observation` can bring more than a frame. The times
-        ``t`` of the frames (s) increase, or are all missing: then they are one sample time of the
-        model apart. Optional attributes ``area`` and ``dt`` of the iterable set the area and the
-        dt of the default model, ``mm_per_px`` the length of a px.
+        One item for each step, requested after the previous step. None = no frame in this step:
+        nothing is measured. An `Observation` can bring more than a frame. The times ``t`` of the
+        frames (s) increase, or are all missing: then they are one sample time of the model apart.
+        Optional attributes ``area`` and ``dt`` of the iterable set the area and the dt of the
+        default model, ``mm_per_px`` the length of a px.
     send : callable, optional
-        ``send(u)``: brings an input, array (2,) in V, to the robot. Motors of `robsim.lab` need
-        no interpreter for that: they stop the robot even if a callback never gives it back.
+        ``send(u)``: brings an input, array (2,) in V, to the robot. Motors of `robsim.lab` work
+        without the interpreter: they stop the robot even if a callback never releases it.
     stop_input : sequence of 2 floats, or None
-        What stops the robot (V). None = nothing is sent at the end of a run.
+        The input that stops the robot (V). None = nothing is sent at the end of a run.
     frame_timeout : float, optional
-        How long after the arrival of a frame the next one must have been taken (s), ten times as
-        long for the first one; otherwise the robot is stopped and the run ends with a TimeoutError.
-        That covers a late frame, a callback that takes too long, and one that holds the
-        interpreter, if `send` needs none: a watchdog in a thread of its own stops the robot, after
-        `step`, too. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s without
-        one. It grows to twice the longest time between two frames that were taken, up to
-        0.3 s. Without `send` no limit (inf).
+        Maximum time from the arrival of a frame until the next one is taken (s), ten times as long
+        for the first. Otherwise the robot is stopped and the run ends with a TimeoutError. The
+        limit covers late frames and slow callbacks, and also callbacks that hold the interpreter,
+        if `send` works without the interpreter. A watchdog in a separate thread stops the robot,
+        also after
+        `step`. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s without a
+        ``dt``. It grows to twice the longest time between two taken frames, up to 0.3 s. Without
+        `send` no limit (inf).
     limits : robsim.lab.Limits, optional
-        What the inputs are held to before they are sent. ``step.u`` and the trace have them as
-        they were sent.
+        Limits on the inputs, applied before sending. ``step.u`` and the trace have the inputs as
+        sent.
     robot : str, path or RobotDefinition, optional
         Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
         with ``robsim robots use``, initially ``"lab"``.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: ``frames.area`` if there is one, or
-        1200 x 1200.
+        Width and height of the work area (px). Default: ``frames.area`` if it exists, or 1200 x
+        1200.
     seed : int, SeedSequence, Generator or None
         Seed of the random numbers of controllers and of `rng`. None = unpredictable.
     record : path, optional
-        File of a session, in which frames, times, inputs and set-up are recorded step by step: see
-        `robsim.trace.Session`. Its name gets the end ``.mcap``, and there must be no such file yet.
-        It is complete when the ``with`` block ends, and readable whenever the program does. A
+        File of a session, which records frames, times, inputs and set-up step by step: see
+        `robsim.trace.Session`. Its name gets the suffix ``.mcap``; an existing file is an error. It
+        is complete when the ``with`` block ends, and readable even if the program crashes. A
         warning reports the first failed write at once. Needs OpenCV.
     lossless : bool
-        Whether the frames are recorded without loss.
+        Whether the frames are recorded with a lossless codec.
     colors, markers, smoothing, time_limit
-        As in `Simulation`.
+        As for `Simulation`.
     identify_from : str
-        Source of the poses in the samples: ``"measurement"`` or ``"estimate"``; ``"truth"``: the
-        samples that the observations bring.
+        Source of the poses in the samples: ``"measurement"`` or ``"estimate"``. ``"truth"`` means
+        the samples in the observations.
     model : RobotModel or RobotParameters, optional
-        The model of the robot, in place of `define_model`. Default: that of ``RobotParameters()``,
-        with the ``dt`` of the frames, if they have one.
+        The model of the robot, instead of `define_model`. Default: the model of
+        ``RobotParameters()``, with the ``dt`` of the frames, if they have one.
     define_model : callable, optional
         ``define_model() -> RobotModel``, called once, at the start: the model that the robot's
         software believes in.
@@ -138,7 +139,8 @@ class Experiment(Runner):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape, or is out of range; the message names it.
+        If an argument has the wrong type or shape, or is out of range; the message names the
+        argument.
 
     Examples
     --------
@@ -233,7 +235,7 @@ class Experiment(Runner):
         if self._recording is not None and self._recording.has_begun:
             (name,) = changes
             raise RuntimeError(
-                f"{name} cannot be changed while a session is recorded, which has one: make a new "
+                f"{name} cannot be changed while a session with it is recorded: make a new "
                 "Experiment with another file for record"
             )
         robot = changes.get("robot", self.robot)
@@ -272,26 +274,26 @@ class Experiment(Runner):
         Raises
         ------
         Exception
-            Any exception of a callback, of `frames` or of `send`, with a note that names it and the
-            step, and the attribute ``callback``, a `robsim.simulation.FailedCallback`. The steps
-            before it are kept in `trace`. The next run repeats the stage that failed, in the same
-            step; what comes before it in the step is not done again. With a live camera, the next
-            run begins with a new frame: the step is kept as far as it came, without an input.
+            Any exception of a callback, of `frames` or of `send`. Its note names the callback and
+            the step, and its attribute ``callback`` is a `robsim.simulation.FailedCallback`.
+            `trace` keeps the previous steps. The next run repeats the failed stage in the same
+            step, but not the stages ahead of it. With a live camera, the next run begins with a new
+            frame: the partial step is kept, without an input.
         EOFError
             If `steps` is given and there are no more frames.
         TimeoutError
-            If a frame does not come, or is not answered, within `frame_timeout`.
+            If a frame does not come, or is not processed, within `frame_timeout`.
         RuntimeError
             If it is already running.
 
         Warns
         -----
         UserWarning
-            If the frames end before `steps` steps are done, or there are none; if the first one has
-            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR;
-            and of implausible results of callbacks, as `Simulation.run`.
+            If the frames end before `steps` steps are done, or are empty. If the first frame has
+            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR.
+            If results of callbacks are implausible, as in `Simulation.run`.
         robsim.vision.SmallMarkersWarning
-            If the default measurement looks at markers that are too small for the noise in the
+            If the default measurement evaluates markers that are too small for the noise in the
             frames.
         """
         before = self.n_steps
@@ -347,8 +349,9 @@ class Experiment(Runner):
         doubts = [*super()._doubts, *self._source.doubts]
         if isinstance(self._motors, MotorLink) and self._motors.is_silent:
             doubts.append(
-                f"the robot at {self._motors.name} answered before, and has not for a second: is "
-                "the line cut, or the robot off?"
+                f"the robot at {self._motors.name} has not answered for a second: check the line "
+                "and "
+                "the robot's power"
             )
         return doubts
 
@@ -367,31 +370,30 @@ class Experiment(Runner):
     def is_live(self) -> bool:
         """Whether the frames come at their own pace, as from a camera.
 
-        False for a recording, a session and frames of your own: these wait until they are asked
-        for.
+        False for a recording, a session and frames of your own, which wait for a request.
         """
         return self._source.is_live
 
     def stop_robot(self) -> None:
-        """Stop the robot at once, whatever a callback is doing; any thread may call this.
+        """Stop the robot at once, even during a callback; any thread may call this.
 
-        A run under way sends nothing more to the robot, and ends after its step. If a callback
-        still decides on an input then, the run raises a `robsim.lab.HaltedError`. The next
-        `run` or `step` drives the robot again.
+        The current run sends nothing more to the robot, and ends after its step. If a callback is
+        still computing an input then, the run raises a `robsim.lab.HaltedError`. The next `run` or
+        `step` drives the robot again.
 
         Raises
         ------
         Exception
-            What `send` raises, if nothing is running; otherwise the run raises it.
+            The exceptions of `send`, if nothing is running; otherwise the run raises them.
 
         See Also
         --------
-        stop : Ends a run after its step, which stops the robot, too, but not before.
+        stop : Ends a run after its step, and only then stops the robot.
 
         Notes
         -----
-        A `send` of your own is called in the thread that calls this, maybe while it is at work in
-        that of the run. The motors of `robsim.lab` need no interpreter to stop.
+        A `send` of your own is called in the thread of the caller, maybe during another call in the
+        thread of the run. The motors of `robsim.lab` need no interpreter to stop.
 
         Examples
         --------
@@ -413,7 +415,7 @@ class Experiment(Runner):
         self._halt()
 
     def _halt(self) -> None:
-        """Stop the robot in the middle of a run, and end that after its step."""
+        """Stop the robot in the middle of a run, and end the run after its step."""
         if self._motors is not None:
             self._motors.halt()
         self.stop()
@@ -423,14 +425,14 @@ class Experiment(Runner):
         self._tell_stop_error(error)
 
     def _tell_stop_error(self, error: BaseException | None) -> None:
-        """Raise what went wrong when the robot was stopped, or add it to another exception."""
+        """Raise the error of stopping the robot, or add it to another exception."""
         if self._motors is None:
             return
         try:
             self._motors._check_stop()
         except BaseException as trouble:
             if error is None:
-                trouble.add_note("in send, when the robot was to be stopped")
+                trouble.add_note("in send, while stopping the robot")
                 raise
             if not isinstance(trouble, KeyboardInterrupt):  # which kept nothing from being sent
                 error.add_note(
@@ -443,7 +445,7 @@ class Experiment(Runner):
         Parameters
         ----------
         seed : int, SeedSequence or Generator, optional
-            Seed of the next run. Default: the same again.
+            Seed of the next run. Default: the same seed.
 
         Raises
         ------
@@ -452,9 +454,7 @@ class Experiment(Runner):
         """
         self._stop_robot(None)
         if self._recording is not None and self._recording.has_begun:
-            raise RuntimeError(
-                "a session that is recorded cannot begin again: make a new Experiment"
-            )
+            raise RuntimeError("a session under recording cannot restart: make a new Experiment")
         if self._source.is_spent:
             raise RuntimeError(
                 "the frames can be read only once: give a list or a Recording to be able to reset"
@@ -483,7 +483,7 @@ class Experiment(Runner):
         if not self._is_on("control"):
             raise ValueError(
                 "estimate_parameters needs the inputs of the robot: give control=..., or "
-                "control=robsim.Replay(u) for inputs that were recorded with the frames"
+                "control=robsim.Replay(u) for inputs recorded with the frames"
             )
 
     def _lacks(self, problem: str) -> None:
@@ -510,14 +510,14 @@ class Experiment(Runner):
 
 
 def _recording_in(path: str | PathLike[str], *, lossless: bool) -> SessionRecording:
-    """Return what records a session; only who records loads it."""
+    """Return the recorder of a session; only recording loads its module."""
     from robsim.simulation.session_recording import SessionRecording
 
     return SessionRecording(as_path(path, "record"), lossless=lossless)
 
 
 def _default_timeout(frames: object, send: object) -> float:
-    """Return the option ``frame_timeout`` if it is not given (s)."""
+    """Return the default of the option ``frame_timeout`` (s)."""
     if send is None:
         return math.inf
     dt = getattr(frames, "dt", None)

@@ -32,11 +32,11 @@ _LOCK = threading.RLock()
 
 
 class FolderModules(MetaPathFinder, Loader):
-    """The files of a folder, as they were read, as modules: callbacks and helper modules.
+    """The files of a folder, as read, as modules: callbacks and helper modules.
 
-    A finder and loader of the import system. It writes no ``__pycache__``: cached bytecode is
-    checked against whole seconds, so that an edit within a second would be missed. `sources` have
-    names without ``.py``, and messages show `folder`. Without `builtins` modules have Python's.
+    A finder and loader of the import system. It writes no ``__pycache__``, because cached bytecode
+    has time stamps in whole seconds, which would hide an edit within a second. `sources` have names
+    without ``.py``, and messages show `folder`. Without `builtins` modules have Python's.
     """
 
     def __init__(

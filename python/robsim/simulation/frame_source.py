@@ -1,6 +1,6 @@
-"""Frames from outside, such as a recording or a camera, one for each step of an `Experiment`.
+"""External frames, such as from a recording or a camera, one for each step of an `Experiment`.
 
-The loop takes the frames of a camera itself, without the interpreter.
+The loop takes a camera's frames directly, without the interpreter.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class FrameSource:
     """An iterable of frames (Frame, Observation or None), read one per step by the loop.
 
     Its optional attributes ``area`` (px) and ``dt`` (s) apply by default, else 1200 x 1200. With
-    `is_polled`, a run can be stopped while it waits for a frame, or has a limit for that. A wrong
+    `is_polled`, a run waiting for a frame can be stopped, or has a limit for the wait. A wrong
     value raises TypeError or ValueError.
     """
 
@@ -48,7 +48,7 @@ class FrameSource:
         if isinstance(frames, (str, PathLike)):
             raise TypeError(
                 f"frames must be an iterable of Frame objects, got {quoted(frames)}: for a video "
-                f"or a folder of images, give robsim.Recording({quoted(str(frames))})"
+                f"or a folder of images, use robsim.Recording({quoted(str(frames))})"
             )
         if not isinstance(frames, Iterable) or isinstance(frames, (bytes, Mapping, np.ndarray)):
             raise TypeError(
@@ -67,10 +67,10 @@ class FrameSource:
         self._reader: _Reader | None = None
         self._reading = threading.Lock()
         self._has_begun = False
-        self._is_seen = False  # a frame, as yet
+        self._is_seen = False  # whether a frame has been seen
         self._drawn: set[int | None] = set()  # headings that the frames tell
         self._failed_at: int | None = None
-        #: What the frames have to bring, as the message of an error; None = frames are enough.
+        #: The data that frames must bring, as the message of an error; None = frames are enough.
         self.lacks: str | None = None
 
     @property
@@ -80,7 +80,7 @@ class FrameSource:
 
     @property
     def is_live(self) -> bool:
-        """Whether the frames come by themselves, and do not wait to be asked for."""
+        """Whether the frames come at their own pace, without a request."""
         return self._grabber is not None
 
     @property
@@ -90,17 +90,17 @@ class FrameSource:
 
     @property
     def counts(self) -> Any:
-        """The `CameraCounts` of a live camera; None if they are of something else."""
+        """The `CameraCounts` of a live camera; None for other sources."""
         return getattr(self._frames, "counts", None) if self.is_live else None
 
     @property
     def doubts(self) -> list[str]:
-        """Warnings of the camera: a rate that it does not keep."""
+        """Warnings of the camera: a frame rate below the requested one."""
         if self._grabber is None or (rates := self._grabber.kept_rate) is None:
             return []
         sent, asked = rates
         return [
-            f"the camera sends {sent:.3g} frames/s, not {asked:.3g}: give fps={sent:.3g}, or more "
+            f"the camera sends {sent:.3g} frames/s, not {asked:.3g}: set fps={sent:.3g}, or add "
             "light; in dim light webcams halve their rate"
         ]
 
@@ -111,7 +111,7 @@ class FrameSource:
 
     @property
     def headings(self) -> int | None:
-        """Number of headings that the robot is drawn in, in all frames taken; None = not known."""
+        """Number of drawn headings of the robot, in all taken frames; None = not known."""
         drawn = tuple(self._drawn)
         return drawn[0] if len(drawn) == 1 else None
 
@@ -121,7 +121,7 @@ class FrameSource:
         return found if isinstance(found, Calibration) else None
 
     def described(self) -> dict[str, Any]:
-        """Return what the set-up of a session says of the frames."""
+        """Return the frames' part of a session's set-up."""
         said = {
             "frames": quoted(self._frames),
             "plane_map": getattr(self._frames, "plane_map", None),
@@ -135,7 +135,7 @@ class FrameSource:
         return said
 
     def restart(self) -> None:
-        """Start again with the first frame."""
+        """Restart with the first frame."""
         self._iterator = iter(self._begin())
         self._drawn = set()
         self._has_begun = False
@@ -143,7 +143,7 @@ class FrameSource:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Read inside the context, in a thread of its own if the loop must not wait for a frame."""
+        """Read inside the context, in a separate thread if the loop must not wait for a frame."""
         # A second run beside the first one, which the loop refuses, must not touch its thread.
         if not self._reading.acquire(blocking=False):
             yield
@@ -178,10 +178,10 @@ class FrameSource:
         if taken is Arrival.END and self._failed_at is not None:
             raise EOFError(
                 f"there are no more frames since the exception at step {self._failed_at}: a "
-                "generator that has raised one cannot go on"
+                "generator that has raised an exception cannot continue"
             )
         if self.lacks is not None and isinstance(taken, Frame):
-            raise ValueError(f"{self.lacks}, or frames that are Observation objects with it")
+            raise ValueError(f"{self.lacks}, or Observation objects with this data as frames")
         if taken is not Arrival.NOTHING_YET:
             self._failed_at = None
         frame = taken.frame if isinstance(taken, Observation) else taken
@@ -209,7 +209,7 @@ class FrameSource:
         return getattr(self._frames, "_at", getattr(self._frames, "__getitem__", None))
 
     def _look_at(self, size: tuple[int, int], plane_map: PlaneMap, headings: int | None) -> None:
-        """Note what a frame tells, and warn if the first cannot be of the work area as it is."""
+        """Note the properties of a frame, and warn if the first does not fit the work area."""
         self._drawn.add(headings)
         if self._is_seen:
             return
@@ -236,7 +236,7 @@ class FrameSource:
                 return model
             if not math.isclose(model.dt, dt, rel_tol=DT_TOLERANCE):
                 raise ValueError(
-                    f"the model's dt is {model.dt:g} s, but that of the frames is {dt:g} s: set "
+                    f"the model's dt is {model.dt:g} s, but the frames' dt is {dt:g} s: set "
                     "the dt of the model or of the recording"
                 )
             return model
@@ -245,18 +245,18 @@ class FrameSource:
 
 
 def _described(frames: object) -> str:
-    """Return what came in place of frames, with a remedy where there is one."""
+    """Return a description of the wrong frames, with a remedy if possible."""
     if isinstance(frames, Frame):
-        return "a single Frame: give a list of it, [frame]"
+        return "a single Frame: pass a list, [frame]"
     if isinstance(frames, np.ndarray):
-        return f"an array of shape {frames.shape}: give a list of robsim.Frame(image, t=...)"
+        return f"an array of shape {frames.shape}: pass a list of robsim.Frame(image, t=...)"
     if inspect.isfunction(frames) or inspect.ismethod(frames):
         return f"the function {frames.__name__}: call it, frames={frames.__name__}()"
     return quoted(frames)
 
 
 class _Reader:
-    """Reads an iterator in a thread of its own, an item only when it is asked for one."""
+    """Reads an iterator in a separate thread, one item per request."""
 
     def __init__(self, iterator: Iterator[Any]) -> None:
         self._iterator = iterator
@@ -266,7 +266,7 @@ class _Reader:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        """Keep the thread inside the context. One that hangs in the iterator ends with its item."""
+        """Keep the thread inside the context. A hanging thread ends with its current item."""
         self._wanted = queue.SimpleQueue()
         thread = threading.Thread(
             target=self._read, args=(self._wanted,), name="robsim frames", daemon=True
@@ -302,7 +302,7 @@ class _Reader:
 
 
 def _camera_of(frames: Any) -> dict[str, Any] | None:
-    """Return how a camera is set that can be: what a later recording must have again."""
+    """Return the settings of a camera, if it has any, which a later recording must repeat."""
     features = getattr(frames, "features", None)
     if not dataclasses.is_dataclass(features) or isinstance(features, type):
         return None

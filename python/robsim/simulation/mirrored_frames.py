@@ -28,14 +28,16 @@ def mirrored_remark(runner: Runner) -> str | None:
     frame = step.frame
     if frame is not None and looks_mirrored(frame, runner.robot, find):
         return (
-            f"the robot {runner.robot.name} is seen only if red and blue are exchanged: the frames "
-            "seem to be in OpenCV's order, BGR; make them by Frame.from_bgr. Or they are mirrored: "
+            f"the robot {runner.robot.name} is seen only with red and blue exchanged: the frames "
+            "seem to be in OpenCV's order, BGR; make them with Frame.from_bgr. Or they are "
+            "mirrored: "
             "then Frame(numpy.ascontiguousarray(image[:, ::-1]))"
         )
     if drives_backwards(runner.trace.u, runner.trace.pose_measured):
         return (
-            "the robot was measured driving backwards when its inputs were forwards: are the "
-            "frames in OpenCV's order, BGR (then make them by Frame.from_bgr), is the alignment of "
+            "the robot was measured driving backwards while its inputs were forwards: are the "
+            "frames in OpenCV's order, BGR (then make them with Frame.from_bgr), is the alignment "
+            "of "
             "the robot half a turn off, or are its motors reversed?"
         )
     return None
@@ -44,8 +46,8 @@ def mirrored_remark(runner: Runner) -> str | None:
 def drives_backwards(u: Floats, poses: Floats) -> bool:
     """Return whether a robot clearly moves against inputs (N, 2), V, by its poses (N, 3).
 
-    In 100 steps of `DriveAround` it found 88 % of 120 reversed robots; none of 360 right ones was
-    taken for one (tests/statistics/RESULTS.md). NaN = not seen.
+    In 100 steps of `DriveAround` it found 88 % of 120 reversed robots, and reported none of 360
+    correct ones (tests/statistics/RESULTS.md). NaN = not seen.
     """
     voltage = u.mean(axis=1)
     heading = poses[:-1, 2]

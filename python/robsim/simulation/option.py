@@ -1,4 +1,4 @@
-"""The classes of options: the facts in a row of `robsim.simulation.options`, and its check."""
+"""The classes of options: the columns of a row of `robsim.simulation.options`, and its check."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Option:
 
     @property
     def is_table(self) -> bool:
-        """Whether files have its values as tables only."""
+        """Whether files store its values only as tables."""
         return bool(self.types) and not self.plain
 
     @property
@@ -69,7 +69,7 @@ class Option:
     def _no_data(self, expected: str, value: Any) -> TypeError:
         remedy = self.example and f": write, for example, {self.name}={self.example}"
         if callable(value):
-            remedy = ": code is no data, give it to Simulation itself"
+            remedy = ": code is not data; pass it to Simulation itself"
         return TypeError(f"{self.name} must be {expected}, got {quoted(value)}{remedy}")
 
 
@@ -98,7 +98,7 @@ class Number(Option):
 
 @dataclass(frozen=True, kw_only=True)
 class Whole(Number):
-    """A whole number within limits; messages give the reason why it must be whole."""
+    """A whole number within limits; messages give the reason for a whole number."""
 
     minimum: int
     maximum: int
@@ -114,7 +114,7 @@ class Whole(Number):
 
 @dataclass(frozen=True, kw_only=True)
 class Choice(Option):
-    """A word out of several."""
+    """A word from a list."""
 
     choices: tuple[str, ...]
     kind: str = "str"

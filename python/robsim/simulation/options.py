@@ -108,7 +108,7 @@ def _floor_in_file(file: FileVersion) -> Floor:
 def start_value(
     start: ArrayLike | None, area: tuple[int, int] | None
 ) -> tuple[float, float, float] | str | None:
-    """Return the option ``start``: a pose within an area (px; None = anywhere), or as given."""
+    """Return the option ``start``: a pose within an area (px; None = anywhere), or unchanged."""
     if start is None:
         return None
     if isinstance(start, str):
@@ -149,7 +149,7 @@ def colors_value(
 
 
 def _check_smoothing(smoothing: int | None) -> int | None:
-    """Return a window that the native classifier takes; None = by the size of the markers."""
+    """Return a window that the native classifier accepts; None = by the size of the markers."""
     classify(_PIXEL, (ColorClass("any"),), smoothing=1 if smoothing is None else smoothing)
     return smoothing
 
@@ -159,7 +159,7 @@ def check_marker_colors(markers: MarkerLayout, colors: Iterable[ColorClass], pur
     known, needed = [color.name for color in colors], [*markers.colors.values()]
     if not set(needed) <= set(known):
         raise ValueError(
-            f"colors must have {' and '.join(needed)} for {purpose}: the colours of the robot's "
+            f"colors must have {' and '.join(needed)} for {purpose}, as the colours of the robot's "
             f"markers; got {', '.join(known)}"
         )
 
@@ -167,7 +167,7 @@ def check_marker_colors(markers: MarkerLayout, colors: Iterable[ColorClass], pur
 def markers_value(
     markers: MarkerLayout | RobotDefinition | str | PathLike[str] | None,
 ) -> MarkerLayout | None:
-    """Return the option ``markers`` as a layout; None = that of the robot."""
+    """Return the option ``markers`` as a layout; None = the robot's."""
     if markers is None or isinstance(markers, MarkerLayout):
         return markers
     if not isinstance(markers, (str, PathLike, RobotDefinition)):
@@ -199,7 +199,7 @@ def check_images(
         raise ValueError(
             f"resolution must show the robot with at most {_LARGEST_ROBOT} px: for an area of "
             f"{area[0]} x {area[1]} px, {resolution[0]} x {resolution[1]} px show it with "
-            f"{size:.0f}; give a smaller resolution of the camera or a larger area"
+            f"{size:.0f}; use a smaller resolution of the camera or a larger area"
         )
 
 
@@ -215,7 +215,7 @@ _CONTROL = Spin()
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """The table: a field for each option, in the order of files, of whose bytes digests are."""
+    """The table: a field for each option, in the order of files, which digests depend on."""
 
     robot: str | PathLike[str] | RobotDefinition | None = value(
         ROBOT, None,
@@ -240,7 +240,7 @@ class Options:
     )  # fmt: skip
     headings: int | None = whole(
         WORLD, HEADINGS,
-        "Number of headings that the robot is drawn in: the nearest one, at integer pixels. None: "
+        "Number of drawn headings of the robot: the nearest one, at integer pixels. None: "
         "drawn at its exact position and heading.",
         minimum=1, maximum=360, group="camera",
     )  # fmt: skip
@@ -260,20 +260,21 @@ class Options:
         is_live=True, group="robot",
     )  # fmt: skip
     mismatch: ParameterMismatch | None = value(
-        ROBOT, None, "How far the parameters of the world differ from those of `model`.",
+        ROBOT, None, "Difference of the parameters of the world from those of `model`.",
         types=(ParameterMismatch,), example="robsim.ParameterMismatch(0.05)", group="robot",
     )  # fmt: skip
     camera_delay: int = whole(
         WORLD, 0,
-        "How many steps late a frame reaches the robot's software. The robot moves on meanwhile, "
-        "and the software does not know when the frame was taken but from the frame.",
+        "Delay of a frame until it reaches the robot's software (steps). The robot keeps moving, "
+        "and the software knows the exposure time only from the frame.",
         minimum=0, maximum=MAXIMUM_DELAY, unit="steps",
-        reason="a frame shows a step; put the fraction into motor_delay, since frames say when "
-        "they were taken", group="camera",
+        reason="a frame shows a step; put the fraction into motor_delay, since frames carry "
+        "their exposure time", group="camera",
     )  # fmt: skip
     motor_delay: float = number(
         ROBOT, 0,
-        "How many steps late an input reaches the motors. With a fraction the robot gets in each "
+        "Delay of an input until it reaches the motors (steps). With a fraction the robot gets in "
+        "each "
         "step the mean of the two inputs that act in it; see the notes of `Scenario`.",
         minimum=0, maximum=MAXIMUM_DELAY, unit="steps", group="robot",
     )  # fmt: skip
@@ -327,7 +328,7 @@ class Options:
         types=(RobotModel, RobotParameters), normal=_check_model, group="robot",
     )  # fmt: skip
     evaluate_model: Unicycle | None = value(
-        ROBOT, None, "How the robot moves. Default: by the model's own equations.",
+        ROBOT, None, "The motion of the robot. Default: the model's own equations.",
         types=SLOTS["evaluate_model"].native, group="robot",
     )  # fmt: skip
     estimate_parameters: bool = switch(

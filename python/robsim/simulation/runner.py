@@ -1,4 +1,4 @@
-"""What `Simulation` and `Experiment` have in common: the loop, its runs and its trace."""
+"""The common base of `Simulation` and `Experiment`: the loop, its runs and its trace."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from robsim.vision.robots.lookup import as_robot
 
 
 def run_info(runner: Runner) -> RunInfo:
-    """Return what describes the run of a simulation or an experiment."""
+    """Return the description of a simulation's or an experiment's run."""
     core = runner._core
     return RunInfo(
         dt=core.model.dt if core.has_started else RobotModel().dt,
@@ -103,7 +103,7 @@ class Runner(Slotted):
 
     @property
     def robot(self) -> RobotDefinition:
-        """The robot; another one is seen from the next step on."""
+        """The robot; a new value is used from the next step on."""
         return self._robot
 
     @robot.setter
@@ -114,7 +114,7 @@ class Runner(Slotted):
 
     @property
     def colors(self) -> tuple[ColorClass, ...]:
-        """The colour classes; others are looked for from the next step on."""
+        """The colour classes; new values are used from the next step on."""
         return self._colors
 
     @colors.setter
@@ -127,12 +127,12 @@ class Runner(Slotted):
 
     @property
     def markers(self) -> MarkerLayout:
-        """Where the robot carries its markers."""
+        """The positions of the markers on the robot."""
         return self._markers
 
     @abstractmethod
     def _change_vision(self, **changes: Any) -> None:
-        """See another robot, or other colours, from the next step on."""
+        """Look for another robot, or other colours, from the next step on."""
 
     def _look_for(
         self, robot: RobotDefinition, colors: tuple[ColorClass, ...], markers: MarkerLayout
@@ -205,7 +205,7 @@ class Runner(Slotted):
         return is_at_end
 
     def _check_marker_size(self) -> None:
-        """Warn once if the default measurement looks at markers that are too small."""
+        """Warn once if the default measurement evaluates too small markers."""
         if self._is_marker_size_known or self._callbacks["measure"] is not True:
             return
         if self._core.rows and (frame := self._core.last_frame) is not None:
@@ -222,14 +222,14 @@ class Runner(Slotted):
         Returns
         -------
         Step
-            The data of the step that the robot's software may use.
+            The data of the step for the robot's software.
 
         Raises
         ------
         EOFError
             If there are no more frames.
         RuntimeError
-            If another thread calls `stop` before one comes, or runs it already.
+            If another thread calls `stop` before a frame comes, or already runs this object.
         """
         self._prepare()
         before = self._core.rows
@@ -248,8 +248,8 @@ class Runner(Slotted):
         Returns
         -------
         str
-            Its name: ``"world"`` (the robot has moved, or a frame has come), or that of a slot.
-            Stages that are off are left out.
+            Its name: ``"world"`` (the robot has moved, or a frame has come), or the name of a slot.
+            Stages that are off are skipped.
 
         Raises
         ------
@@ -264,7 +264,7 @@ class Runner(Slotted):
         return stage
 
     def stop(self) -> bool:
-        """End the run under way between two steps; any thread may call this.
+        """End the current run between two steps; any thread may call this.
 
         Returns
         -------
@@ -275,19 +275,19 @@ class Runner(Slotted):
 
     @property
     def is_running(self) -> bool:
-        """Whether a run is under way; any thread may ask."""
+        """Whether a run is in progress; any thread may read this."""
         return self._core.is_running
 
     @property
     def n_steps(self) -> int:
-        """Number of steps recorded by now; any thread may ask."""
+        """Number of steps recorded so far; any thread may read this."""
         return self._core.rows
 
     @property
     def stage(self) -> str:
-        """Name of the stage that runs now, or that comes next; any thread may ask.
+        """Name of the current or next stage; any thread may read this.
 
-        See `step_stage` for the names; ``"send"``: the input goes out.
+        See `step_stage` for the names; ``"send"``: the input is being sent.
         """
         return self._core.stage
 
@@ -319,7 +319,7 @@ class Runner(Slotted):
 
     @property
     def _doubts(self) -> list[str]:
-        """Warnings of the run so far, such as of implausible results; any thread may ask."""
+        """Warnings of the run so far, such as of implausible results; any thread may read this."""
         return self._core.doubts
 
     def _tell_doubts(self) -> None:
@@ -363,9 +363,8 @@ class Runner(Slotted):
 
         Parameters
         ----------
-        seed : int, SeedSequence or Generator, optional
-            Seed of the next run. Default: the same again, which repeats the last run exactly if no
-            callback keeps state of its own.
+        Seed of the next run. Default: the same seed, which repeats the last run exactly if no
+        callback keeps its own state.
         """
         new_seed = None if seed is None else seeds.seed_sequence(seed)
         callbacks = self._folder.load() if self._folder else None
@@ -379,7 +378,7 @@ class Runner(Slotted):
         self._forget_run()
 
     def _forget_run(self) -> None:
-        """Forget what was of the steps that are gone."""
+        """Forget the data of removed steps."""
         self._rng = None
         self._run_info = []
         self._changed = ()
@@ -396,7 +395,7 @@ class Runner(Slotted):
             check_marker_colors(self.markers, colors, "the default measurement")
 
     def _check_stages(self) -> None:
-        """Raise what keeps a run from going on, or warn of it."""
+        """Raise the error that prevents a run from continuing, or warn of it."""
         self._check_slots()
 
     def _check_slots(self) -> None:
@@ -408,21 +407,21 @@ class Runner(Slotted):
                 self._lacks(problem)
 
     def _lacks(self, problem: str) -> None:
-        """Raise ValueError: a callback has said that it needs what no slot gives."""
+        """Raise ValueError if a callback needs data that no slot gives."""
         raise ValueError(problem)
 
     def _check_source(self) -> None:
-        """Raise ValueError if nothing gives the poses that the parameters are estimated from."""
+        """Raise ValueError if the source of the poses for parameter estimation is off."""
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
         if needed and not self._is_on(needed):
             remedy = {
                 "measure": "measure=True, in the shell --measure",
                 "estimate_state": "estimate_state=..., in the shell a folder with an enabled "
-                "estimate_state.py, as robsim new writes it",
+                "estimate_state.py, as in a folder of robsim new",
             }[needed]
             raise ValueError(
-                "identify_from: the parameters are to be estimated from each "
-                f"{self.identify_from}, but there is none: give {remedy}"
+                "identify_from: parameter estimation needs the "
+                f"{self.identify_from}, but this stage is off: give {remedy}"
             )
 
     @property
@@ -431,10 +430,10 @@ class Runner(Slotted):
         return Trace(self._core.columns() or empty_groups(self._GROUPS), self._info())
 
     def _info(self) -> RunInfo:
-        known = self._run_info  # what replaces it meanwhile, in another thread, is another list
+        known = self._run_info  # another thread replaces the list, and never changes it
         if known:
             return known[0]
-        # Asked before: a start in another thread may just be about to define the model.
+        # Read first, because a start in another thread may just be about to define the model.
         is_settled = self._core.has_started and not self._core.is_running  # a start may fail yet
         info = run_info(self)
         if is_settled:
@@ -446,11 +445,11 @@ class Runner(Slotted):
         return None
 
     def _headings(self) -> int | None:
-        """Return the number of headings that the robot is drawn in; None = any, or not known."""
+        """Return the number of drawn headings of the robot; None = any, or not known."""
         return None
 
     def _described(self) -> Any:
-        """Return the scenario of the run, None if there is none."""
+        """Return the scenario of the run, None without one."""
         return None
 
     @abstractmethod
@@ -487,13 +486,13 @@ class Runner(Slotted):
 
     @property
     def last_step(self) -> Step:
-        """The data of the last step that the robot's software may use."""
+        """The data of the last step for the robot's software."""
         self._start()
         return self._core.last_step
 
     @property
     def missed_detections(self) -> list[_core.MissedDetections]:
-        """Why the default measurement detected no robot, the most frequent reason first."""
+        """The reasons for missing detections by the default measurement, most frequent first."""
         return self._core.missed_detections
 
     def __repr__(self) -> str:

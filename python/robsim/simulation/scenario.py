@@ -1,4 +1,4 @@
-"""`Scenario`: all that describes a simulated world and its run, as one value."""
+"""`Scenario`: the complete description of a simulated world and its run, as one value."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from robsim.vision.robots.definition import RobotDefinition
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Scenario(Options):
-    """All that describes a simulated world and its run: the options of `Simulation` that are data.
+    """The complete description of a simulated world and its run: `Simulation`'s options as data.
 
-    A value: scenarios with the same content are equal, whatever they were made from. What is given
-    as a name or a file is read at once, so that a scenario holds all it needs.
+    A value: scenarios with the same content are equal, regardless of their origin. Names and files
+    are read at once, so that a scenario is complete.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ class Scenario(Options):
         ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
         view follows the robot.
     headings : int within 1..360 or None
-        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
-        drawn at its exact position and heading.
+        Number of drawn headings of the robot: the nearest one, at integer pixels. None: drawn at
+        its exact position and heading.
     noise : UniformNoise or GaussianNoise, optional
         Camera noise.
     dropout : Dropout, optional
@@ -48,13 +48,13 @@ class Scenario(Options):
     process_noise : PoseNoise or WheelNoise, optional
         Random disturbance of the robot's motion in every step.
     mismatch : ParameterMismatch, optional
-        How far the parameters of the world differ from those of `model`.
+        Difference of the parameters of the world from those of `model`.
     camera_delay : int within 0..1000
-        How many steps late a frame reaches the robot's software. The robot moves on meanwhile, and
-        the software does not know when the frame was taken but from the frame.
+        Delay of a frame until it reaches the robot's software (steps). The robot keeps moving, and
+        the software knows the exposure time only from the frame.
     motor_delay : float within 0..1000
-        How many steps late an input reaches the motors. With a fraction the robot gets in each step
-        the mean of the two inputs that act in it; see the notes of `Scenario`.
+        Delay of an input until it reaches the motors (steps). With a fraction the robot gets in
+        each step the mean of the two inputs that act in it; see the notes of `Scenario`.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
@@ -78,7 +78,7 @@ class Scenario(Options):
         unless ``define_model`` gives another. Default: the result of ``define_model``, or the model
         of ``RobotParameters()``.
     evaluate_model : Unicycle, optional
-        How the robot moves. Default: by the model's own equations.
+        The motion of the robot. Default: the model's own equations.
     estimate_parameters : bool
         Whether recursive least squares estimate the parameters.
     measure : bool
@@ -89,19 +89,20 @@ class Scenario(Options):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape, or is out of range; the message names it.
+        If an argument has the wrong type or shape, or is out of range; the message names the
+        argument.
 
     Notes
     -----
-    With ``motor_delay = n + f``, n whole and 0 <= f < 1, what acts from step k to step k + 1 is
-    (1 - f) u(k - n) + f u(k - n - 1), the mean over that time; before step 0 inputs are 0. For a
-    constant input, and for what depends on the mean input alone, this is exact; that an input in
-    the second part of a step has less time to move the robot is neglected.
+    With ``motor_delay = n + f``, n whole, 0 <= f < 1, two inputs act from step k to step k + 1.
+    Their mean is (1 - f) u(k - n) + f u(k - n - 1); inputs before step 0 are 0. The mean is exact
+    for a constant input, and for quantities that depend only on the mean input. It neglects that an
+    input in the second part of a step has less time to move the robot.
 
-    The latency of a live loop, from the exposure of a frame until the input that was computed from
-    it acts, is one delay: as live frames are numbered and timed by their exposure, all of it,
-    camera, vision, transmission, motors, is a `motor_delay`. `Trace.timing` measures it,
-    `robsim.estimation.reference` compensates it, and `robsim.batch_estimate` takes it as
+    The latency of a live loop, from the exposure of a frame until its input acts, is one delay.
+    Live frames are numbered and timed by their exposure, so the complete latency, camera, vision,
+    transmission, motors, is a `motor_delay`. `Trace.timing` measures it,
+    `robsim.estimation.reference` compensates it, and `robsim.batch_estimate` accepts it as
     ``motor_delay``.
 
     Examples
@@ -122,7 +123,7 @@ class Scenario(Options):
 
     @property
     def _floor(self) -> Floor | None:
-        """The floor in its own size; None = the one that ships with robsim."""
+        """The floor in its own size; None = the floor shipped with robsim."""
         assert self.background is None or isinstance(self.background, Floor)
         return self.background
 
@@ -134,7 +135,7 @@ class Scenario(Options):
 
     @property
     def _model(self) -> RobotModel | None:
-        """The model; None = that of the default parameters, unless a callback says otherwise."""
+        """The model; None = from the default parameters, unless a callback defines another."""
         return RobotModel(self.model) if isinstance(self.model, RobotParameters) else self.model
 
     @property
@@ -151,7 +152,7 @@ class Scenario(Options):
 
     @classmethod
     def of(cls, trace: Trace) -> Scenario:
-        """Return the scenario of a recorded run, which gives the same run again.
+        """Return the scenario of a recorded run, which reproduces the run.
 
         Parameters
         ----------
@@ -161,8 +162,8 @@ class Scenario(Options):
         Returns
         -------
         Scenario
-            With the seed of the run. In place of a controller in Python it has the recorded inputs,
-            as a `Replay`.
+            With the seed of the run. A controller in Python is replaced by the recorded inputs, as
+            a `Replay`.
 
         Raises
         ------
@@ -174,7 +175,7 @@ class Scenario(Options):
         Warns
         -----
         UserWarning
-            If other slots had callbacks in Python, which are not part of it, or if options were
+            If other slots had callbacks in Python, which a scenario cannot contain, or if options
             changed in the middle of the run.
         """
         check_trace(trace)
@@ -190,13 +191,13 @@ class Scenario(Options):
             scenario = scenario.replace(control=Replay(trace.u))
         if trace.info.changed:
             warn_user(
-                f"{', '.join(trace.info.changed)} changed in the run: the scenario has what came "
-                "last"
+                f"{', '.join(trace.info.changed)} changed in the run: the scenario has the last "
+                "values"
             )
         if missing := sorted(callbacks - {"control"}):
             warn_user(
-                f"the run had callbacks in Python for {', '.join(missing)}: give them to "
-                "Simulation(scenario, ...) again"
+                f"the run had callbacks in Python for {', '.join(missing)}: pass them again to "
+                "Simulation(scenario, ...)"
             )
         assert isinstance(scenario, cls)
         return scenario
@@ -207,28 +208,28 @@ class Scenario(Options):
         Parameters
         ----------
         **changes
-            Options, as of `Scenario`.
+            Options, as for `Scenario`.
 
         Returns
         -------
         Scenario
-            A new one.
+            The new scenario.
 
         Raises
         ------
         TypeError, ValueError
-            As of `Scenario`; for an option that there is not, with the one that was meant.
+            As for `Scenario`; for an unknown option, with the closest known name.
         """
         check_names("a scenario has no option", changes, OPTIONS, TypeError)
         return dataclasses.replace(self, **changes)
 
     def changes(self) -> dict[str, Any]:
-        """Return the options that are not at their defaults, in their order.
+        """Return the options with other values than their defaults, in their order.
 
         Returns
         -------
         dict
-            Name to value. `robot` is always there: its default is each user's own.
+            Name to value. `robot` is always included: its default depends on the user.
         """
         defaults = {name: option.default for name, option in OPTIONS.items()}
         defaults["colors"] = OPTIONS["colors"].checked(None)
@@ -236,10 +237,10 @@ class Scenario(Options):
         return {name: value for name, value in values.items() if value != defaults[name]}
 
     def to_toml(self) -> str:
-        """Return the scenario as the text of a TOML file, from which `from_toml` makes it again.
+        """Return the scenario as the text of a TOML file, for `from_toml`.
 
-        Only what differs from the defaults is written, and the robot: by name if it ships with
-        robsim. Images and recorded inputs are part of the text, so that it is complete.
+        The text has only the values that differ from the defaults, and the robot: by name if it
+        ships with robsim. It includes images and recorded inputs, so that it is complete.
 
         Raises
         ------
@@ -257,31 +258,32 @@ class Scenario(Options):
         Parameters
         ----------
         text : str
-            As `to_toml` writes it, or written by hand.
+            Text from `to_toml`, or written by hand.
 
         Raises
         ------
         TypeError
             If `text` is not a str.
         ValueError
-            If it is not TOML, is too large, or an option is unknown or wrong; the message names it.
+            If the text is not TOML, is too large, or an option is unknown or wrong; the message
+            names it.
         """
         from robsim.simulation.scenario_file import from_toml
 
         return from_toml(cls, text, "scenario")
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the scenario to a file, as `to_toml` has it.
+        """Write the scenario to a file, in the format of `to_toml`.
 
         Parameters
         ----------
         path : path
-            The file, such as ``run.toml``; one of that name is replaced.
+            The file, such as ``run.toml``; an existing file is replaced.
 
         Raises
         ------
         OSError
-            If it cannot be written.
+            If the file cannot be written.
         ValueError
             If an image, or the record of inputs, is too large for a file.
         """
@@ -291,21 +293,21 @@ class Scenario(Options):
     def load(cls, path: str | PathLike[str]) -> Scenario:
         """Read a scenario from a file.
 
-        The file is data: nothing in it is run, and no other file is read but those of a robot that
-        it names.
+        The file is data: nothing in it is executed, and no other file is read, except the files of
+        a named robot.
 
         Parameters
         ----------
         path : path
-            The file, as `save` writes it, or written by hand.
+            The file, from `save`, or written by hand.
 
         Raises
         ------
         FileNotFoundError
-            If there is no such file.
+            If the file does not exist.
         ValueError
-            If it is not TOML, is too large, or an option is unknown or wrong; the message names
-            the file and the option.
+            If the file is not TOML, is too large, or an option is unknown or wrong; the message
+            names the file and the option.
         """
         from robsim.simulation.scenario_file import MOST_BYTES, from_toml
 

@@ -94,7 +94,7 @@ TABLES = {kind: codec.Table(kind, keys) for kind, keys in _KEYS.items()} | {
 
 
 def _read(name: str, value: Any) -> Any:
-    """Return the value of an option that TOML has given."""
+    """Return the value of an option from TOML."""
     if name == "robot" and not isinstance(value, dict):
         return check_choice(name, value, tuple(robot_names()))
     if name == "headings":
@@ -113,7 +113,7 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _written(option: Option, value: Any) -> Any:
-    """Return the value of an option as TOML has it: a table, or a plain value."""
+    """Return the value of an option for TOML: a table, or a plain value."""
     if isinstance(value, RobotDefinition):
         for shipped in shipped_robots():
             if as_robot(shipped) == value:
@@ -137,7 +137,7 @@ _FILE = codec.Table(
 
 
 def data_of(name: str, value: Any) -> Any:
-    """Return the value of an option, not None, as a file has it, in plain types."""
+    """Return the value of an option, not None, for a file, in plain types."""
     written = _FILE._entries[name].write(value)
     return written.unwrap() if hasattr(written, "unwrap") else written
 
@@ -148,7 +148,7 @@ def units_of(kind: type) -> dict[str, str]:
 
 
 def to_toml(changes: dict[str, Any]) -> str:
-    """Return options, in their normal forms, as TOML; ValueError for more than a file may have."""
+    """Return options, in their normal forms, as TOML; ValueError if too large for a file."""
     values = {name: _CONTINUOUS if value is None else value for name, value in changes.items()}
     text = str(_FILE.write({"format": _FORMAT, **values}).as_string())
     if len(text.encode()) > MOST_BYTES:
@@ -168,7 +168,7 @@ def from_toml(cls: type[Scenario], text: str, source: str) -> Scenario:
 
 
 def options_of(table: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of a table, as `Scenario` takes them; raise for what is wrong."""
+    """Return the options of a table, for `Scenario`; raise for a wrong one."""
     codec.check_format({"format": _FORMAT} | table, _FORMAT)
     options: dict[str, Any] = _FILE.read("scenario", table)
     options.pop("format", None)

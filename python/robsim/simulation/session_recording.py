@@ -1,4 +1,4 @@
-"""The session that the steps of an `Experiment` are recorded in."""
+"""The session that records the steps of an `Experiment`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from robsim.trace.sessions.writer import SessionWriter, check_is_free
 class SessionRecording:
     """The session of an experiment, which begins with its first run, in a new file.
 
-    FileExistsError: there is a file of this name.
+    FileExistsError: the file exists.
     """
 
     def __init__(self, path: Path, *, lossless: bool) -> None:
@@ -35,18 +35,18 @@ class SessionRecording:
 
     @property
     def has_begun(self) -> bool:
-        """Whether there is something in the file."""
+        """Whether the file has content."""
         return self._writer is not None
 
     @property
     def error(self) -> Exception | None:
-        """The first error of disk or encoder; any thread may ask."""
+        """The first error of disk or encoder; any thread may read this."""
         return None if self._writer is None else self._writer.error
 
     def begin(
         self, runner: Runner, model: RobotModel, more: Mapping[str, Any], *, is_live: bool
     ) -> None:
-        """Write the set-up, unless that is done already; RuntimeError if the session is over."""
+        """Write the set-up, unless it is written already; RuntimeError if the session is over."""
         if self._is_over:
             raise RuntimeError(
                 f"the session {one_line(self.path)} is complete: make a new Experiment with "
@@ -98,7 +98,7 @@ class SessionRecording:
         self._writer.add(row, step.frame)
 
     def flush(self) -> None:
-        """Wait until all that was added is written."""
+        """Wait until all steps are written."""
         if self._writer is not None:
             self._writer.flush()
 

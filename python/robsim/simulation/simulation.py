@@ -37,7 +37,7 @@ from robsim.vision.robots.definition import RobotDefinition
 
 
 class _AsInScenario:
-    """Default of an option: that of the scenario."""
+    """Default of an option: the scenario's value."""
 
     def __repr__(self) -> str:
         return "<as in the scenario>"
@@ -52,14 +52,14 @@ _STAGES = tuple(slot for slot in SLOTS if slot in OPTIONS)
 class Simulation(WorldSlots, Runner):
     """A robot on a work area under a ceiling camera, driven by callbacks.
 
-    Each step runs these stages in order: the model moves the robot, from step 1 on; the parameter
-    estimator gets the newest sample; the measurement evaluates the camera's frame; the state
-    estimator updates its estimate; the controller returns the input of the step.
+    Each step runs these stages in order. The model moves the robot, from step 1 on, then the
+    parameter estimator gets the newest sample. The measurement evaluates the camera's frame, and
+    the state estimator updates its estimate. The controller returns the input of the step.
 
     Parameters
     ----------
     scenario : Scenario, optional
-        What the options have that are not given here. Default: ``Scenario()``.
+        Values of the options not given here. Default: ``Scenario()``.
     robot : str, path or RobotDefinition, optional
         Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
         with ``robsim robots use``, initially ``"lab"``.
@@ -71,8 +71,8 @@ class Simulation(WorldSlots, Runner):
         ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
         view follows the robot.
     headings : int within 1..360 or None
-        Number of headings that the robot is drawn in: the nearest one, at integer pixels. None:
-        drawn at its exact position and heading.
+        Number of drawn headings of the robot: the nearest one, at integer pixels. None: drawn at
+        its exact position and heading.
     noise : UniformNoise or GaussianNoise, optional
         Camera noise.
     dropout : Dropout, optional
@@ -80,13 +80,13 @@ class Simulation(WorldSlots, Runner):
     process_noise : PoseNoise or WheelNoise, optional
         Random disturbance of the robot's motion in every step.
     mismatch : ParameterMismatch, optional
-        How far the parameters of the world differ from those of `model`.
+        Difference of the parameters of the world from those of `model`.
     camera_delay : int within 0..1000
-        How many steps late a frame reaches the robot's software. The robot moves on meanwhile, and
-        the software does not know when the frame was taken but from the frame.
+        Delay of a frame until it reaches the robot's software (steps). The robot keeps moving, and
+        the software knows the exposure time only from the frame.
     motor_delay : float within 0..1000
-        How many steps late an input reaches the motors. With a fraction the robot gets in each step
-        the mean of the two inputs that act in it; see the notes of `Scenario`.
+        Delay of an input until it reaches the motors (steps). With a fraction the robot gets in
+        each step the mean of the two inputs that act in it; see the notes of `Scenario`.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
@@ -139,7 +139,8 @@ class Simulation(WorldSlots, Runner):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or shape, or is out of range; the message names it.
+        If an argument has the wrong type or shape, or is out of range; the message names the
+        argument.
 
     Examples
     --------
@@ -234,7 +235,9 @@ class Simulation(WorldSlots, Runner):
             identify_from=self._scenario.identify_from,
             time_limit=time_limit,
         )
-        self._earlier: list[tuple[int, Simulation]] = []  # what draws the steps up to a number
+        self._earlier: list[
+            tuple[int, Simulation]
+        ] = []  # simulations that draw steps up to a number
         # The scenario of the trace, behind the options, the seed and the stages it was made of.
         self._made_scenario: tuple[Scenario | None, Any, dict[str, Any], Scenario]
         self._made_scenario = (None, self._seed, {}, self._scenario)
@@ -248,7 +251,7 @@ class Simulation(WorldSlots, Runner):
 
     @property
     def scenario(self) -> Scenario:
-        """All that describes the world and the run, with the seed that is used."""
+        """The complete description of the world and the run, with the actual seed."""
         stages = {
             name: value if is_data(name, value) else None
             for name, value in self._callbacks.items()
@@ -333,7 +336,7 @@ class Simulation(WorldSlots, Runner):
         )
 
     def _keep_drawing(self, scenario: Scenario) -> None:
-        """Let the steps up to now be drawn with the robot that was seen in them."""
+        """Let the steps up to now be drawn with the robot of their time."""
         newest = self._core.last_step
         _ = newest.frame  # drawn now
         once = {slot: self._callbacks[slot] for slot in ("adjust_background", "define_model")}
@@ -370,7 +373,7 @@ class Simulation(WorldSlots, Runner):
             self._world.set_evaluate_model(self._called(slot, value))
         elif slot == "adjust_background":
             adjust = self._called(slot, value)
-            # A callback of the user's is called at the start, whether somebody looks or not.
+            # A callback of the user's is called at the start, even if the frame is never used.
             set_scene(self._world, self._scenario, adjust, makes_at_start=value is not None)
         else:
             super()._put(slot, value)
@@ -409,11 +412,11 @@ class Simulation(WorldSlots, Runner):
         ------
         Exception
             Any exception of a callback, with a note that names the callback and the step, and the
-            attribute ``callback``, a `robsim.simulation.FailedCallback`. The steps before it are
-            kept in `trace`. The next run repeats the stage that failed, in the same step; what
-            comes before it in the step is not done again.
+            attribute ``callback``, a `robsim.simulation.FailedCallback`. `trace` keeps the previous
+            steps. The next run repeats the failed stage in the same step, but not the stages ahead
+            of it.
         RuntimeError
-            If it is already running, or another run has its estimator or controller.
+            If it is already running, or another run uses its estimator or controller.
 
         Warns
         -----
@@ -421,16 +424,16 @@ class Simulation(WorldSlots, Runner):
             Once per run, if results of callbacks are implausible: headings in degrees, more than
             100 V, covariances without symmetry or with a negative eigenvalue.
         robsim.vision.SmallMarkersWarning
-            If the default measurement looks at markers that are too small for the noise of the
+            If the default measurement evaluates markers that are too small for the noise of the
             frames.
 
         Notes
         -----
-        Meanwhile other threads can read `trace`, `n_steps` and `stage`, draw a plot of them, and
-        `stop` the run; what the run changes, such as `last_step` and `estimator`, refuses to be
-        looked at. A run with callbacks in Python takes turns with other busy threads, and waits up
-        to 5 ms for each turn: ``sys.setswitchinterval(0.0005)`` makes that shorter. A run without
-        any waits for nobody.
+        Meanwhile other threads can read `trace`, `n_steps` and `stage`, plot them, and `stop` the
+        run. Attributes that the run changes, such as `last_step` and `estimator`, raise an error
+        then. A run with callbacks in Python takes turns with other busy threads, and waits up to 5
+        ms for each turn: ``sys.setswitchinterval(0.0005)`` makes that shorter. A run without such
+        callbacks never waits.
         """
         self._run(step_count(steps), progress, steps)
         return self.trace
@@ -441,21 +444,21 @@ class Simulation(WorldSlots, Runner):
         Parameters
         ----------
         k : int
-            Number of the step, from 0; in a callback that of the step under way, too.
+            Number of the step, from 0; in a callback also the current step.
         out : array (H, W, 3) of uint8, optional
-            Where to write the pixels, such as shared memory; the frame borrows it.
+            Array for the pixels, such as shared memory; the frame borrows it.
 
         Returns
         -------
         Frame
-            The frame, identical to that of the run.
+            The frame, identical to the frame in the run.
 
         Raises
         ------
         TypeError
             If `k` is not an int.
         IndexError
-            If there is no such step, or its frame has not come yet.
+            If the step does not exist, or its frame has not come yet.
         RuntimeError
             While another thread runs the simulation.
         """
@@ -465,7 +468,7 @@ class Simulation(WorldSlots, Runner):
         if not is_int(k):
             raise TypeError(f"k must be an int, the number of a step, got {quoted(k)}")
         if not 0 <= k <= newest:
-            raise IndexError(f"there are steps 0..{newest}, got k = {k}")
+            raise IndexError(f"k must be one of the steps 0..{newest}, got {k}")
         earlier = next((one for last, one in self._earlier if k <= last), None)
         if earlier is not None:
             earlier._start()
@@ -476,17 +479,17 @@ class Simulation(WorldSlots, Runner):
         return self._drawn(k, self._core.columns(), out)
 
     def _drawn(self, k: int, columns: Mapping[str, Floats], out: Pixels | None = None) -> Frame:
-        """Return the frame of a step from what was recorded of it, by this run or an equal one."""
+        """Return the frame of a step from its record, by this run or an equal one."""
         captured = k - self._scenario.camera_delay
         if captured < 0:
-            raise IndexError(f"no frame has come in step {k}: camera_delay is {k - captured} steps")
+            raise IndexError(f"no frame came in step {k}: camera_delay is {k - captured} steps")
         names = ("pose_true", "view", "hidden", "noise")
         recorded = {name: columns[name][captured] for name in names if name in columns}
         return self._world.draw(captured, **recorded, out=out)
 
 
 def _given(**options: Any) -> dict[str, Any]:
-    """Return the options that are given: the others are as in the scenario."""
+    """Return the given options; the scenario has the others."""
     return {name: value for name, value in options.items() if value is not _SAME}
 
 

@@ -1,4 +1,4 @@
-"""The slots: one table of all there is to know about each."""
+"""The slots: one table with all facts about each."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Control = Callable[[Step], Sequence[float]] | Controller
 ONCE, STEP = "once", "step"  # when the callback of a slot is called
 ROBOT, WORLD = "robot", "world"  # the halves
 
-#: What asks for the default of a slot, whatever a folder has for it.
+#: Selects the default of a slot, also over a folder's file.
 DEFAULT = "default"
 
 
@@ -66,7 +66,7 @@ class RobotSlots:
     )  # fmt: skip
     measure = Slot[Measure](
         ROBOT, STEP, "step", "Measurement or None",
-        "called at each step with a frame: the pose seen in it; None = not seen. True: the two "
+        "called at each step with a frame: the pose seen in it, None = not seen. True: the two "
         "markers are located.",
         is_optional=True, is_switch=True, result_types=(Measurement, tuple, list, np.ndarray),
         other_names=("measurePosNOrientation", "measurement"),
@@ -106,7 +106,7 @@ class WorldSlots:
 
 
 class AllCallbacks(TypedDict, total=False):
-    """The callbacks of `Simulation`; `Experiment` takes those for the robot half."""
+    """The callbacks of `Simulation`; `Experiment` has the ones of the robot half."""
 
     define_model: DefineModel | None
     init_parameter_estimator: InitParameterEstimator | None
@@ -131,7 +131,7 @@ SLOTS = _in_order(RobotSlots, WorldSlots)
 
 
 def names(*, half: str | None = None, when: str | None = None) -> tuple[str, ...]:
-    """Return the names of the slots of a half, or of those called at a time, in their order."""
+    """Return the names of the slots of a half, or of a calling time, in their order."""
     return tuple(
         name
         for name, slot in SLOTS.items()
@@ -146,7 +146,7 @@ ESTIMATORS = frozenset({"init_parameter_estimator", "estimate_parameters"})
 
 
 def are_samples_given(identify_from: str, slots: Iterable[str]) -> bool:
-    """Return whether what fills some slots may see samples: those of the truth tell where it is."""
+    """Return whether the callbacks of some slots may get samples: true samples reveal the pose."""
     return identify_from != "truth" or not ESTIMATORS.isdisjoint(slots)
 
 
@@ -158,12 +158,12 @@ def use_of(value: bool) -> str:
 
 
 def is_default(slot: str, value: object) -> bool:
-    """Return whether a value means the default of a slot; raise ValueError if there is no such."""
+    """Return whether a value means the default of a slot; raise ValueError without a default."""
     asks = isinstance(value, str) and value == DEFAULT
     if asks and SLOTS[slot].is_optional and not SLOTS[slot].is_switch:
         raise ValueError(
             f"{slot} has no default, got {quoted(value)}: give a callback, such as "
-            "robsim.estimation.reference.ExtendedKalmanFilter(model), or False for none"
+            "robsim.estimation.reference.ExtendedKalmanFilter(model), or False for off"
         )
     return asks
 

@@ -1,4 +1,4 @@
-"""The slots of a simulation or an experiment, and what fills them."""
+"""The slots of a simulation or an experiment, and their callbacks."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ _NATIVE = tuple(kind for slot in SLOTS.values() for kind in slot.native)
 
 
 class Slotted(RobotSlots, ABC):
-    """An object with slots: what is given for them, their defaults, and a folder of callbacks."""
+    """An object with slots: given callbacks, their defaults, and a folder of callbacks."""
 
-    #: The slots that there are.
+    #: The available slots.
     SLOTS: ClassVar[tuple[str, ...]] = table.names(half=ROBOT)
 
     #: How another one of the same kind is made, for messages.
@@ -51,10 +51,10 @@ class Slotted(RobotSlots, ABC):
         self._given: dict[str, Any] = dict(self._callbacks)
 
     def _fill_slots(self, **given: Any) -> None:
-        """Fill the slots with what was given for them, or the default."""
+        """Fill the slots with their given values, or the defaults."""
         self._given = {slot: given.get(slot) for slot in self.SLOTS}
         for slot, value in self._given.items():
-            # An estimator of the user's has switched estimate_parameters on by then.
+            # A user's estimator has switched estimate_parameters on by then.
             if value is not None or self._callbacks[slot] is None:
                 self._set_slot(slot, value)
 
@@ -68,10 +68,10 @@ class Slotted(RobotSlots, ABC):
     ) -> Self:
         """Return a runner with the callbacks of a folder, as written by ``robsim new``.
 
-        When a file of the folder has changed, the next run or reset reloads all of them. If one
+        After a change of a file in the folder, the next run or reset reloads all files. If a file
         fails, the runner is unchanged. A callback given here for a slot, or ``"default"``,
-        overrides the file; True does not: it applies if the file is missing or has
-        ``ENABLED = False``.
+        overrides the file; True does not: it applies if the file is missing or has ``ENABLED =
+        False``.
 
         Parameters
         ----------
@@ -86,10 +86,10 @@ class Slotted(RobotSlots, ABC):
         Raises
         ------
         FileNotFoundError
-            If there is no such folder.
+            If the folder does not exist.
         ValueError
-            If it has no callback files, a file does not define the callback it is named after, or
-            a slot is unknown.
+            If the folder has no callback files, a file does not define its callback, or a slot is
+            unknown.
         SyntaxError
             If a file is not valid Python; the message has its name and the line.
         """
@@ -113,12 +113,12 @@ class Slotted(RobotSlots, ABC):
         self._from_folder = callbacks
 
     def _choose(self, slot: str, value: Any) -> None:
-        """Fill a slot with what a changed file of the folder does not override."""
+        """Fill a slot with a value that a changed file of the folder does not override."""
         self._set_slot(slot, value)
         self._given[slot] = table.DEFAULT if value is True else value
 
     def _choose_file(self, slot: str) -> None:
-        """Fill a slot with what the folder has for it, from now on."""
+        """Fill a slot with the folder's callback, from now on."""
         self._set_slot(slot, self._from_folder[slot])
         self._given[slot] = None
 
@@ -149,7 +149,7 @@ class Slotted(RobotSlots, ABC):
         """Return the message for an attribute that cannot be set."""
         kind = type(self).__name__
         if name in inspect.signature(type(self)).parameters:
-            return f"{name} is fixed: give it to {kind}({name}=...)"
+            return f"{name} is fixed: set it in {kind}({name}=...)"
         if is_method:
             return f"{name} is a method of {kind} and cannot be set: call sim.{name}(...)"
         settable = [
@@ -158,11 +158,11 @@ class Slotted(RobotSlots, ABC):
             if isinstance(one := getattr(type(self), known), property) and one.fset
         ]
         meant = None if name in SLOTS else closest(name, (*self.SLOTS, *settable))
-        hint = f"did you mean {meant!r}?" if meant else f"there are {', '.join(self.SLOTS)}"
+        hint = f"did you mean {meant!r}?" if meant else f"known: {', '.join(self.SLOTS)}"
         return f"{kind} has no slot {name!r}: {hint}"
 
     def __getattr__(self, name: str) -> Any:
-        # Only for what is not there. Python itself asks for underscored names.
+        # Only for missing attributes. Python itself looks up underscored names.
         kind = type(self)
         if name.startswith("_") or hasattr(kind, name):
             # A property that raised AttributeError itself raises it again.
@@ -180,8 +180,8 @@ class Slotted(RobotSlots, ABC):
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         kind = type(self).__name__
         raise TypeError(
-            f"{with_article(kind)} can be neither copied nor pickled, its callbacks and its run "
-            f"belong to this process: make another, {self._AGAIN}"
+            f"{with_article(kind)} can be neither copied nor pickled, because its callbacks and "
+            f"its run belong to this process: make another, {self._AGAIN}"
         )
 
     def _set_slot(self, slot: str, callback: Any) -> None:
@@ -203,7 +203,7 @@ class Slotted(RobotSlots, ABC):
             self._set_slot("estimate_parameters", True)
 
     def _slots_changed(self) -> None:
-        """Forget what depends on what is in the slots."""
+        """Forget the data that depends on the slots."""
 
     def _is_on(self, slot: str) -> bool:
         """Return whether a slot is filled, and not off."""
@@ -211,7 +211,7 @@ class Slotted(RobotSlots, ABC):
         return value is not None and value is not False
 
     def _default(self, slot: str) -> Any:
-        """Return what fills a slot that nothing is given for; None = the core's own default."""
+        """Return the default of an empty slot; None = the core's own default."""
         return None
 
     def _put(self, slot: str, value: Any) -> None:
@@ -225,7 +225,7 @@ class Slotted(RobotSlots, ABC):
         return callback
 
     def _called(self, slot: str, callback: Any) -> Any:
-        """Return a callback as it is called: with the time limit, and timed."""
+        """Return a callback ready to call: with the time limit, and timed."""
         if not is_code(callback):  # native stages need neither
             return callback
         if self._time_limit is not None:
@@ -249,12 +249,12 @@ class Slotted(RobotSlots, ABC):
                 self._put(slot, value)
 
 
-#: What to do in place of setting a property.
+#: Alternatives to setting a property.
 _ADVICE = {"model": ": fill define_model, then call sim.reset()"}
 
 
 def suggests_names(init: Callable[P, None]) -> Callable[P, None]:
-    """Return an ``__init__`` that suggests the name that was meant by an unknown one."""
+    """Return an ``__init__`` that suggests the closest known name for an unknown one."""
     known = [*inspect.signature(init).parameters][1:]
 
     @functools.wraps(init)

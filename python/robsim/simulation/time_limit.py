@@ -61,7 +61,7 @@ class TimeLimit:
 
     @property
     def frame(self) -> FrameType | None:
-        """Where the thread of the callbacks is now; any thread may ask."""
+        """The current place of the callbacks' thread; any thread may read this."""
         return sys._current_frames().get(self._thread)
 
     @property
@@ -82,7 +82,7 @@ class TimeLimit:
                 self._why, self._deadline = why, -math.inf
 
     def limited(self, callback: Callable[..., Any], name: str = "") -> Callable[..., Any]:
-        """Return the callback with the limit; it raises TimeoutError when the limit is exceeded."""
+        """Return the callback with the limit, beyond which it raises TimeoutError."""
 
         @functools.wraps(callback)
         def call(*arguments: Any) -> Any:
@@ -109,7 +109,7 @@ class TimeLimit:
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Enforce the limit on this thread's callbacks inside; around many runs it is cheaper."""
+        """Enforce the limit on this thread's callbacks; one context for many runs is cheaper."""
         if self._is_watching and self._thread == threading.get_ident():
             yield
             return
@@ -138,7 +138,7 @@ class TimeLimit:
         def interrupt(signum: int, frame: FrameType | None) -> None:
             if self._is_up:
                 raise _TimeIsUp
-            if callable(before):  # somebody else's signal
+            if callable(before):  # a previous handler
                 before(signum, frame)
 
         with _signal_kept(_WAKE_UP):

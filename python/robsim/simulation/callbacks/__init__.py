@@ -1,1 +1,1 @@
-"""Callbacks of the user: what is told of them when they are set, and when they fail."""
+"""Callbacks of the user: their checks when they are set, and their errors when they fail."""

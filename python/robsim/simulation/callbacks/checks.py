@@ -1,4 +1,4 @@
-"""What is wrong with the value of a slot, told when it is set."""
+"""Checks of the value of a slot when it is set."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from robsim.simulation.slots import SLOTS, use_of
 
 
 def check_callback(name: str, value: object) -> None:
-    """Raise TypeError if a value cannot fill a slot; what cannot be inspected, or None, passes."""
+    """Raise TypeError if a value cannot fill a slot; None and opaque callables pass."""
     slot = SLOTS[name]
     if value is None or type(value) in slot.native:
         return
@@ -46,7 +46,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _described(slot: Slot[Any], value: object) -> str:
-    """Return what was given in place of a callable."""
+    """Return a description of an uncallable value."""
     if _is_plain(value):
         return quoted(value)
     arguments = ", ".join(filter(None, ("self", slot.argument)))
@@ -54,17 +54,17 @@ def _described(slot: Slot[Any], value: object) -> str:
 
 
 def _remedy(slot: Slot[Any], value: object) -> str:
-    """Return what to give in place of something that cannot be called, as the end of a message."""
+    """Return the remedy for an uncallable value, as the end of a message."""
     if callable(getattr(value, "update", None)):
-        return ": an estimator is what init_parameter_estimator(model) returns"
+        return ": init_parameter_estimator(model) returns an estimator"
     if isinstance(value, RobotParameters):
-        return ": give it as the option model"
+        return ": use the option model"
     if callable(getattr(value, slot.name, None)):
-        return f": give its method {slot.name}"
+        return f": use its method {slot.name}"
     if isinstance(value, str):
-        return ": give the function itself, not its name; from_folder reads files"
+        return ": pass the function itself, not its name; from_folder reads files"
     return (
-        f": give the function {slot.signature} itself, not its result" if _is_plain(value) else ""
+        f": pass the function {slot.signature} itself, not its result" if _is_plain(value) else ""
     )
 
 
@@ -79,7 +79,7 @@ def _check_function(slot: Slot[Any], function: Callable[..., object]) -> None:
                 f"{name_of(inner)} does not take: {name_of(inner)}{where_defined(inner)}"
             )
     if not accepts(function, slot.n_arguments):
-        hint = ": a method needs self before it" if forgets_self(function, slot.n_arguments) else ""
+        hint = ": a method needs self first" if forgets_self(function, slot.n_arguments) else ""
         raise TypeError(
             f"{name} must take {slot.arguments}, got {name_of(function)}"
             f"{where_defined(function)}{hint}"
@@ -103,6 +103,6 @@ def _check_class(slot: Slot[Any], kind: type) -> None:
     signature = signature_of(kind)
     is_plain = signature is not None and accepts(kind, 0)
     raise TypeError(
-        f"{slot.name} must be callable, but {kind.__name__} is a class: give an object of it, "
+        f"{slot.name} must be callable, but {kind.__name__} is a class: pass an object of it, "
         f"such as {kind.__name__}({'' if is_plain else '...'}){place_of(kind)}"
     )

@@ -1,4 +1,4 @@
-"""Where an exception of a callback came from, and what its slot cannot use of its result.
+"""The origin of a callback's exception, and errors of results that its slot cannot use.
 
 The C++ core calls `failed`, `refused` and `check_estimator`.
 """
@@ -22,16 +22,16 @@ _MOST_NOTES = 8
 
 @dataclass(frozen=True)
 class FailedCallback:
-    """Where an exception came from: the attribute ``callback`` of every exception of a callback.
+    """Origin of an exception: the attribute ``callback`` of every exception of a callback.
 
     Attributes
     ----------
     slot : str
-        The slot; ``"frames"`` or ``"send"`` for those arguments of an `Experiment`.
+        The slot; ``"frames"`` or ``"send"`` for these arguments of an `Experiment`.
     k : int or None
-        The step; None = at the start, or when its file was loaded.
+        The step; None = at the start, or on loading its file.
     source : SourceLine or None
-        The line of your code that raised it, or where the callback is defined; None = unknown.
+        The line of your code that raised it, or the callback's definition; None = unknown.
     """
 
     slot: str
@@ -45,14 +45,14 @@ class FailedCallback:
 
 
 class CallbackError(Exception):
-    """A callback returned what its slot cannot use.
+    """A callback returned a result that its slot cannot use.
 
-    It is a TypeError or a ValueError, too.
+    It is also a TypeError or a ValueError.
 
     Parameters
     ----------
     message : str
-        What was expected and what came.
+        The expected and the actual result.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class CallbackValueError(CallbackError, ValueError):
 
 
 def callback_of(error: BaseException) -> FailedCallback | None:
-    """Return where an exception came from; None if no callback raised it."""
+    """Return the origin of an exception; None if no callback raised it."""
     found = getattr(error, "callback", None)
     return found if isinstance(found, FailedCallback) else None
 
@@ -96,14 +96,14 @@ def failed(error: BaseException, slot: str, what: str, k: int, function: object)
     if inner is None:
         with contextlib.suppress(Exception):
             error.callback = record  # type: ignore[attr-defined]
-    # Of simulations without end, each in a callback of the one before, some say enough.
+    # Simulations may be nested without limit; some notes are enough.
     with contextlib.suppress(Exception):
         if inner is None or len(error.__notes__) < _MOST_NOTES:
             error.add_note(f"in {what} {record.when}")
 
 
 def note_failed_file(error: BaseException, slot: str, file: str) -> None:
-    """Record on an exception that the file of a callback could not be loaded."""
+    """Record on an exception that a callback's file could not be loaded."""
     source = source_line.line_of_error(error)
     if isinstance(error, SyntaxError) and error.filename:
         source = source_line.SourceLine(error.filename, error.lineno or 1, "<module>")
@@ -157,12 +157,12 @@ def traceback_line(source: source_line.SourceLine) -> str:
     return f'File "{source.file}", line {source.number}, in {source.function}'
 
 
-_READ_ONLY = "what a callback gets is read-only: change a copy of an array, and return the result"
+_READ_ONLY = "the arguments of a callback are read-only: change a copy, and return the result"
 _OF_ROBSIM = re.compile(r"\b(robsim(?:\.\w+)+)(?:'| object|$)")
 
 
 def note_misuse(error: BaseException, step: Step) -> None:
-    """Add a note to an exception of a callback that took a value of its step for something else."""
+    """Add a note to a callback's exception that comes from the wrong use of a step's value."""
     failed = callback_of(error)
     if failed is None or isinstance(error, CallbackError):
         return
@@ -192,12 +192,12 @@ def _sets_attribute(error: BaseException) -> bool:
 
 
 def _attributes(value: object, name: str | None) -> str | None:
-    """Return where an attribute is that a value of robsim does not have."""
+    """Return the place of an attribute that a value of robsim does not have."""
     kind = type(value)
     if name is None or not kind.__module__.startswith("robsim"):
         return None
     if isinstance(value, Step) and "true" in name.split("_"):
-        return f"the truth is not for the robot's software: {_members(kind)}"
+        return f"the robot's software has no access to the truth: {_members(kind)}"
     inside = [one for one in _public(kind) if hasattr(_read(value, one), name)]
     if isinstance(value, Step) and inside:
         return f"did you mean step.{f'.{name} or step.'.join(inside)}.{name}?"

@@ -1,4 +1,4 @@
-"""Why a step lacks what a callback has tried to use: the second note of its exception."""
+"""Reasons for missing data in a step: the second note of a callback's exception."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from robsim.simulation.slots import SLOTS
 
 @dataclass(frozen=True)
 class _Datum:
-    """A datum that a step may lack: its slot, why it is None if that is off, and if it is on."""
+    """A datum that a step may lack: its slot, and the reasons with the slot off and on."""
 
     slot: str
     off: str
     absent: str
 
 
-_NO_MEASUREMENT = "no measurement is on; give measure=True, in the shell --measure"
+_NO_MEASUREMENT = "the measurement is off; give measure=True, in the shell --measure"
 
 _DATA = {
     "measurement": _Datum("measure", _NO_MEASUREMENT, "the robot was not seen in this step"),
@@ -40,9 +40,9 @@ _DATA = {
         "no parameters have been estimated yet",
     ),
 }
-# What no slot gives.
+# Data without a slot.
 _OTHERS = {
-    "sample": "there is no sample at the start, after a bounce or lost frames, and where the robot "
+    "sample": "there is no sample at the start, after a bounce or lost frames, and if the robot "
     "was not seen",
     "frame": "no frame came in this step",
 }
@@ -62,7 +62,7 @@ def note_missing_data(error: BaseException, step: Step, is_on: Callable[[str], b
 
 
 def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> str | None:
-    """Return why a step lacks something; None if it has it."""
+    """Return the reason for missing data of a step; None if the step has them."""
     if _has(step, name):
         return None
     if name in _OTHERS:
@@ -74,7 +74,7 @@ def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> s
     if order.index(slot) < order.index(datum.slot):
         return f"{datum.slot} comes after {slot} in a step"
     if slot == datum.slot and name in ("measurement", "estimate"):
-        return "it is what this callback returns"
+        return "this callback itself returns it"
     if name == "measurement" and step.detection is not None:
         return f"{datum.absent}: {step.detection.explanation}"
     return datum.absent
@@ -83,15 +83,15 @@ def _reason(name: str, step: Step, slot: str, is_on: Callable[[str], bool]) -> s
 def _has(step: Step, name: str) -> bool:
     try:
         return getattr(step, name) is not None
-    except RuntimeError:  # it is not given, and has said so itself
+    except RuntimeError:  # not available, with its own message
         return True
 
 
 def unmet_needs(slot: str, callback: object, is_on: Callable[[str], bool]) -> str | None:
-    """Return the datum that a callback needs and does not get, as a sentence; None = nothing.
+    """Return a sentence on data that a callback needs and does not get; None = nothing is missing.
 
     Its attribute ``needs`` is ``"measurement"``, ``"estimate"`` or ``"parameters"``, or a tuple of
-    these: one is enough.
+    alternatives.
     """
     needs = getattr(callback, "needs", ())
     wanted = [_DATA[name] for name in as_names(needs) if name in _DATA]
@@ -102,13 +102,13 @@ def unmet_needs(slot: str, callback: object, is_on: Callable[[str], bool]) -> st
 
 
 def needed_slots(callback: object) -> tuple[str, ...]:
-    """Return the slots of which one must be filled for a callback; none = it needs nothing."""
+    """Return the slots that could serve a callback, at least one; empty = it needs no slot."""
     needs = as_names(getattr(callback, "needs", ()))
     return tuple(_DATA[name].slot for name in needs if name in _DATA)
 
 
 def as_names(needs: object) -> tuple[str, ...]:
-    """Return the names in an attribute ``needs``; none if it is something else."""
+    """Return the names in an attribute ``needs``; empty for another type."""
     names = (needs,) if isinstance(needs, str) else needs
     if isinstance(names, (tuple, list)):
         return tuple(name for name in names if isinstance(name, str))
@@ -116,7 +116,7 @@ def as_names(needs: object) -> tuple[str, ...]:
 
 
 def comes_of_none(error: BaseException) -> bool:
-    """Return whether an exception may come of a None that was used as if it were a value."""
+    """Return whether an exception may result from a None used like a value."""
     if isinstance(error, AttributeError):
         return error.name is not None and error.obj is None
     # Python's TypeError has no attribute for the operand.
@@ -131,5 +131,5 @@ def names_in(error: BaseException) -> list[str]:
     ]
     read = {name for code in users for name in code.co_names}
     if isinstance(error, AttributeError):
-        read.discard(error.name or "")  # what was sought in None is not what is None
+        read.discard(error.name or "")  # the attribute sought in None is not None itself
     return [name for name in (*_DATA, *_OTHERS) if name in read]

@@ -1,4 +1,4 @@
-"""With how many arguments a callable can be called, as far as that can be known."""
+"""The number of arguments that a callable takes, as far as it is known."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def signature_of(function: Callable[..., object]) -> inspect.Signature | None:
 
 
 def name_of(function: Callable[..., object]) -> str:
-    """Return what a callable is called: ``control``, ``lambda``, ``MyController.__call__``."""
+    """Return the name of a callable: ``control``, ``lambda``, ``MyController.__call__``."""
     function = inner_of(function)
     name = getattr(function, "__name__", None) or f"{type(function).__name__}.__call__"
     return "lambda" if name == "<lambda>" else str(name)
@@ -51,9 +51,9 @@ def why_not_a_function(function: Callable[..., object]) -> str | None:
     if not hasattr(function, "__code__"):
         function = inspect.getattr_static(type(function), "__call__", function)
     if inspect.iscoroutinefunction(function) or inspect.isasyncgenfunction(function):
-        return "an async function: write def in place of async def"
+        return "an async function: write def instead of async def"
     if inspect.isgeneratorfunction(function):
-        return "a generator function: write return in place of yield"
+        return "a generator function: write return instead of yield"
     return None
 
 
@@ -62,7 +62,7 @@ def where_defined(function: Callable[..., object]) -> str:
 
 
 def place_of(function: Callable[..., object]) -> str:
-    """Return where the user has defined a callable, as `` (control.py:3)``; else ``""``."""
+    """Return the definition's place of a user's callable, as `` (control.py:3)``; else ``""``."""
     line = users_line_of_callable(function)
     return "" if line is None else f" ({line.place})"
 
@@ -78,7 +78,7 @@ class CallTimes:
         return self._totals.get(slot, (0, 0.0))
 
     def timed(self, slot: str, callback: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a callback whose calls are counted anew."""
+        """Return a callback whose count starts at 0."""
         totals = self._totals
         totals[slot] = (0, 0.0)
 

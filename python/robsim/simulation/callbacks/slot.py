@@ -1,4 +1,4 @@
-"""The class of a slot, row of the table and descriptor, and of the handle that reading it gives."""
+"""The class of a slot, row of the table and descriptor, and its handle on reading."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _MISSING: Any = object()
 class SlotHandle(Generic[T]):
     """A slot of a simulation, ``sim.control``, and the decorator that fills it, ``@sim.control``.
 
-    It equals its `callback`, the value as it was given, and is false for an empty slot. True = the
-    default of a stage that may be off, None = the default, or off.
+    It equals its `callback`, the given value, and is false for an empty slot. True = the default of
+    an optional stage, None = the default, or off.
     """
 
     __hash__ = None  # type: ignore[assignment]
@@ -32,7 +32,7 @@ class SlotHandle(Generic[T]):
 
     @property
     def callback(self) -> T | None:
-        """What is in the slot."""
+        """The value in the slot."""
         value: T | None = self._runner._callbacks[self._slot.name]
         return value
 
@@ -42,14 +42,14 @@ class SlotHandle(Generic[T]):
         if others or named:
             raise TypeError(
                 f"sim.{name} takes one callback, got {1 + len(others) + len(named)} values: the "
-                f"decorator @sim.{name} fills the slot, sim.{name}.callback is what is in it"
+                f"decorator @sim.{name} fills the slot, sim.{name}.callback is its content"
             )
         if callback is _MISSING:
-            raise TypeError(f"use @sim.{name}, without brackets")
+            raise TypeError(f"use @sim.{name}, without parentheses")
         if not callable(callback):
             raise TypeError(
                 f"{name} must be callable, got {quoted(callback)}: the decorator "
-                f"sim.{name} fills the slot, sim.{name}.callback is what is in it"
+                f"sim.{name} fills the slot, sim.{name}.callback is its content"
             )
         self._runner._set_slot(name, callback)
         return callback
@@ -114,7 +114,7 @@ class Slot(Generic[T]):
 
     @property
     def call(self) -> str:
-        """How the callback is called, such as ``control(step) -> (u1, u2)``."""
+        """The call of the callback, such as ``control(step) -> (u1, u2)``."""
         return f"``{self.signature} -> {self.result}``"
 
     @property
@@ -124,7 +124,7 @@ class Slot(Generic[T]):
 
     @property
     def template(self) -> Path:
-        """The file that a callback of one's own may begin with."""
+        """The template file for a custom callback."""
         return Path(__file__).parents[1] / "templates" / f"{self.name}.py"
 
     @property
@@ -161,8 +161,9 @@ def held(callbacks: Iterable[object]) -> Iterator[None]:
             # One call, which no other thread interrupts.
             if _in_run.setdefault(id(callback), run) is not run:
                 raise RuntimeError(
-                    f"another run has this {type(callback).__name__}, which remembers where its "
-                    "robot was: each simulation needs one of its own"
+                    f"another run uses this {type(callback).__name__}, which stores the state of "
+                    "its "
+                    "robot: give each simulation a separate object"
                 )
         yield
     finally:

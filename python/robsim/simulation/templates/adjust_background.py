@@ -1,4 +1,4 @@
-"""The background: what lies on the floor.
+"""The background: the image of the floor.
 
 Called once, at the start. Gets the work area without the robot: an array (H, W, 3) of uint8, RGB,
 one pixel per px of the work area. background[0, 0] is the top left corner.

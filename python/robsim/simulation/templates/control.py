@@ -6,8 +6,8 @@ Called at every step, as the last stage. Gets `step`, the data that the robot's 
                               or ENABLED = False in measure.py
     step.estimate             the same from estimate_state.py: step.estimate.pose, or None
     step.parameters           the parameters of the robot from estimate_parameters.py, or None
-    step.last_u               the voltages of the step before: left, right motor (V)
-    step.frame, step.blobs    the camera's image and the coloured blobs in it
+    step.last_u               the voltages of the previous step: left, right motor (V)
+    step.frame, step.blobs    the camera's image and its coloured blobs.
 Returns the voltages of the left and of the right motor (V).
 x points right and y down; the heading is measured from +x towards +y, clockwise on the image.
 """

@@ -1,9 +1,9 @@
-"""The model of the robot: what the robot's software knows of it.
+"""The model of the robot, as known to the robot's software.
 
 Called once, at the start. Has no argument.
-Returns a RobotModel. The simulated world moves the robot by it, too, unless the world is to differ:
-robsim.Simulation(mismatch=...). Of the other callbacks evaluate_model and init_parameter_estimator
-get it.
+Returns a RobotModel. The simulated world also moves the robot by it, unless the world should
+differ: robsim.Simulation(mismatch=...). The callbacks evaluate_model and init_parameter_estimator
+also get it.
 """
 
 import robsim
@@ -22,9 +22,9 @@ def define_model():
             linear_friction=0.1,  # N s/m
             angular_friction=0.1,  # N m s/rad
             wheel_radius=0.03,  # m
-            wheel_base=0.11,  # m, distance of the wheels
-            motor_gain=(0.05, 0.05),  # N m/V, left and right motor
-            motor_offset=(1e-6, 1e-6),  # N m at 0 V, left and right motor
+            wheel_base=0.11,  # m, distance of the wheels.
+            motor_gain=(0.05, 0.05),  # N m/V, left, right motor
+            motor_offset=(1e-6, 1e-6),  # N m at 0 V, left, right motor
             dt=0.2,  # s, time between two steps
         )
     )

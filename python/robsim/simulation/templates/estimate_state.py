@@ -1,11 +1,11 @@
 """State estimation: the pose of the robot and its covariance.
 
-Called at every step, after the measurement. Gets `step`, of which you need:
-    step.measurement   what measure returned: step.measurement.pose is x, y (px), heading (rad).
+Called at every step, after the measurement. Gets `step`. You need:
+    step.measurement   the result of measure: step.measurement.pose is x, y (px), heading (rad).
                        None: not seen, or ENABLED = False in measure.py
-    step.parameters    what estimate_parameters returned last, (3, 5), or None
-    step.last_u        the voltages of the step before: left, right motor (V)
-    step.dt            the time since the step before (s)
+    step.parameters    the last result of estimate_parameters, (3, 5), or None
+    step.last_u        the voltages of the previous step: left, right motor (V)
+    step.dt            the time since the previous step (s)
 Returns an Estimate: the pose, x, y (px), heading (rad), and its covariance, (3, 3).
 """
 

@@ -3,11 +3,11 @@
 Called at every step from step 1 on, as the first stage; at step 0 the robot stands at the start.
 Gets `world`:
     world.k, world.t, world.dt   number of the step, time (s), time between two steps (s)
-    world.model                  the RobotModel of the world: that of define_model, unless
+    world.model                  the RobotModel of the world: from define_model, unless
                                  mismatch=... is given
     world.pose_1, world.pose_2   the true poses of step k-1 and of step k-2: x, y (px),
                                  heading (rad); at step 1 both are the start
-    world.last_u                 the voltages that act until step k, those of step k-1 unless
+    world.last_u                 the voltages that act until step k, from step k-1 unless
                                  motor_delay=... is given: left, right motor (V)
 Returns the new pose: x, y (px), heading (rad).
 x points right and y down; the heading is measured from +x towards +y, clockwise on the image.

@@ -1,12 +1,12 @@
 """Measurement: the pose of the robot in the camera image.
 
-Called at every step that has a frame. Gets `step`, of which you need:
+Called at every step that has a frame. Gets `step`. You need:
     step.frame.image       the image: an array (H, W, 3) of uint8, RGB, read-only
     step.frame.plane_map   map from pixels to the work area: to_world((u, v)) gives (x, y) in px
     step.blobs             the blobs of each colour, the largest first: step.blobs["red"] and
                            step.blobs["blue"] are lists; a blob has .centroid (u, v) and .area,
                            in pixels of the frame
-    step.colors            the colours that the blobs were found with
+    step.colors            the colours used to find the blobs
     step.markers           the markers: .colors by role, {"right": "red", "left": "blue"} of the
                            lab robot; .distance between them, .offset from their midpoint forward
                            to the robot's centre (px)
@@ -19,7 +19,7 @@ ENABLED = False  # True: this stage is on
 
 
 def measure(step):
-    """Find the two blobs whose distance is that of the robot's markers."""
+    """Find the two blobs at the distance of the robot's markers."""
     # To try: the same by hand, for a robot with a marker on its right and one on its left.
     # import numpy as np
     # for right_blob in step.blobs[step.markers.colors["right"]]:

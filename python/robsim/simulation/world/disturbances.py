@@ -1,4 +1,4 @@
-"""Disturbances of the world as values: process noise, and parameters other than the model's."""
+"""Disturbances of the world as values: process noise, and changed parameters."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class PoseNoise:
 
     Examples
     --------
-    `Q` is the process noise covariance of a filter for the same world:
+    `Q` is the process noise covariance for a filter in the same world:
 
     >>> noise = robsim.PoseNoise.from_sigma(0.5, 0.5, 0.01)
     >>> noise.Q.diagonal().round(6)
@@ -70,7 +70,7 @@ class PoseNoise:
         if (heading := self.sigma[2]) > np.pi:
             warn_user(
                 f"a heading noise of {heading:.3g} rad is {np.degrees(heading):.0f} degrees in "
-                f"each step: if it is in degrees, give numpy.radians({heading:.3g})"
+                f"each step: convert degrees with numpy.radians({heading:.3g})"
             )
 
     @classmethod
@@ -80,14 +80,14 @@ class PoseNoise:
         Parameters
         ----------
         x, y : float
-            Of the position in a step (px).
+            Standard deviations of the position in a step (px).
         heading : float
-            Of the heading in a step (rad).
+            Standard deviation of the heading in a step (rad).
 
         Raises
         ------
         TypeError, ValueError
-            If one is not a number within 0..1e6.
+            If a value is not a number within 0..1e6.
         """
         sigma = (
             check_float("x", x, "px", minimum=0, maximum=_MAXIMUM_SIGMA),
@@ -127,7 +127,7 @@ class PoseNoise:
 
 
 def _is_semidefinite(matrix: Floats) -> bool:
-    """Return whether no eigenvalue is negative beyond rounding, in units of its own diagonal."""
+    """Return whether no eigenvalue is negative beyond rounding, relative to the diagonal."""
     variances = np.diag(matrix)
     if (variances < 0).any():
         return False
@@ -144,7 +144,7 @@ class WheelNoise:
     Parameters
     ----------
     sigma : float, or tuple of two floats
-        Standard deviation in every step (V): of both motors, or of the left and the right one.
+        Standard deviation in every step (V): for both motors, or for the left and the right one.
 
     Raises
     ------
@@ -153,7 +153,7 @@ class WheelNoise:
 
     Examples
     --------
-    Noise of 0.02 V moves a robot that heads along x by 0.006 px in a step, and nothing across:
+    Noise of 0.02 V moves a robot that heads along x by 0.006 px in a step, and not across:
 
     >>> noise = robsim.WheelNoise(0.02)
     >>> np.sqrt(noise.Q(robsim.RobotModel(), heading=0.0).diagonal()).round(6)
@@ -181,7 +181,7 @@ class WheelNoise:
         return float(np.max(self.sigma))
 
     def Q(self, model: RobotModel, heading: float) -> Floats:
-        """Return the covariance of the pose that the noise causes in a step.
+        """Return the covariance of the pose that results from the noise in a step.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ class WheelNoise:
 
 @dataclass(frozen=True)
 class ParameterMismatch:
-    """The parameters of the world differ from those that the robot's software believes in.
+    """Random differences between the world's parameters and the robot software's model.
 
     Parameters
     ----------
@@ -226,13 +226,13 @@ class ParameterMismatch:
 
     Notes
     -----
-    Four numbers n are drawn, Gaussian with standard deviation 1, each again until it lies within
-    +-3: for the gains alpha of the two motors, for the friction of the position Fv and for that of
-    the heading Fw. Each value becomes 1 + sigma n times what it was; mass, geometry and the torques
-    at 0 V stay. In the model's parameters, with rho = F T/m (of the heading: Fw T/I) from
+    Four numbers n are drawn, Gaussian with standard deviation 1, and drawn again until they lie
+    within +-3. They apply to the gains alpha of the two motors, the friction Fv of the position and
+    the friction Fw of the heading. Each value is multiplied by 1 + sigma n; mass, geometry and the
+    torques at 0 V stay. In the model's parameters, with rho = F T/m (of the heading: Fw T/I) from
     a1 - 1 = 1/(1 + rho), per axis::
 
-        rho' = (1 + sigma n) rho
+        rho' = (1 + sigma n) rho;
         a1' = a1 + delta,  a2' = a2 - delta,  delta = 1/(1 + rho') - 1/(1 + rho)
         bi' = (1 + sigma ni) bi (1 + rho)/(1 + rho'),  d1' = d1 (1 + rho)/(1 + rho')
 
@@ -254,26 +254,26 @@ class ParameterMismatch:
         object.__setattr__(self, "sigma", sigma)
 
     def draw(self, model: RobotModel, rng: np.random.Generator) -> RobotModel:
-        """Return the model of a world that differs from a model at random.
+        """Return the model of a world that differs randomly from a model.
 
         Parameters
         ----------
         model : RobotModel
-            What the robot's software believes; its a1 must be above 1.
+            The model of the robot's software; its a1 must be above 1.
         rng : numpy.random.Generator
-            The seed of the numbers is drawn from it.
+            Source of the seed of the numbers.
 
         Returns
         -------
         RobotModel
-            The world's.
+            The world's model.
 
         Raises
         ------
         TypeError
             If an argument has another type.
         ValueError
-            If an a1 is not above 1: friction has no meaning then.
+            If an a1 is not above 1, because friction then has no meaning.
         """
         theta = np.array(_theta_of(model))
         if not isinstance(rng, np.random.Generator):
@@ -295,7 +295,7 @@ class ParameterMismatch:
 
 
 def _within_3(seed: int) -> Iterator[float]:
-    """Yield standard normal numbers within +-3: the core's, since numpy may change its own."""
+    """Yield standard normal numbers within +-3 from the core, since numpy may change its own."""
     for i in count():
         if abs(number := random_normal(seed, i)) <= 3:
             yield number
@@ -308,7 +308,7 @@ def _theta_of(model: RobotModel) -> Floats:
 
 @dataclass(frozen=True)
 class Dropout:
-    """Random occlusion: something hides the robot from the camera.
+    """Random occlusion: an object hides the robot from the camera.
 
     The run is divided into segments of `steps` steps; in each segment, independently, the robot is
     hidden throughout with this probability.
@@ -323,7 +323,7 @@ class Dropout:
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range; the message names it.
+        If an argument has the wrong type or is out of range; the message names the argument.
 
     Examples
     --------

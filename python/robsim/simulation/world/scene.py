@@ -23,7 +23,7 @@ from robsim.vision.robots.definition import RobotDefinition
 
 
 class SceneCache:
-    """Keeps the last scenes, in `maximum_size` bytes; the newest always. Safe for threads."""
+    """Keeps the last scenes, in `maximum_size` bytes; the newest always. Thread-safe."""
 
     def __init__(self, *, maximum_size: int) -> None:
         self.maximum_size = maximum_size
@@ -35,7 +35,7 @@ class SceneCache:
         self._lock = Lock()
 
     def get(self, key: Hashable, make: Callable[[], Scene]) -> Scene:
-        """Return the scene of a key; `make` is called if there is none."""
+        """Return the scene of a key; `make` is called for a missing key."""
         with self._lock:
             scene = self._scenes.get(key)
             if scene is not None:
@@ -83,7 +83,7 @@ def draw_red_square(background: Pixels) -> Pixels:
     Raises
     ------
     TypeError, ValueError
-        If it has the wrong type or shape.
+        If the image has the wrong type or shape.
 
     Examples
     --------
@@ -125,7 +125,7 @@ def make_scene(
 
     `area` and `resolution` are the sizes of work area and frame (px). 0 `headings` = continuous, no
     `background` = robsim's floor. `adjust_background` changes the image of the area with its
-    shadow; functions but `draw_red_square` and `leave_floor` are called each time.
+    shadow; functions except `draw_red_square` and `leave_floor` are called each time.
     """
 
     def make() -> Scene:
@@ -178,11 +178,11 @@ def _home(
     adjusted = _adjusted(adjust_background, shown)
     home, shadowed_home = floor.copy(), shadowed_floor.copy()
     rows = np.flatnonzero((adjusted != shown).reshape(len(floor), -1).any(axis=1))
-    # What was drawn in the light is darkened for the shadow, and vice versa.
+    # Changes in the light are darkened for the shadow, and vice versa.
     home[rows, :left] = adjusted[rows, :left]
     shadowed_home[rows, :left] = images.darkened(adjusted[rows, :left])
     shadowed_home[rows, left:] = adjusted[rows, left:]
-    # Only what was drawn: lightened(darkened(floor)) is not exact.
+    # Only changes: lightened(darkened(floor)) is not exact.
     in_shadow = adjusted[rows, left:]
     drawn = (in_shadow != shown[rows, left:]).any(axis=2, keepdims=True)
     home[rows, left:] = np.where(drawn, images.lightened(in_shadow), floor[rows, left:])

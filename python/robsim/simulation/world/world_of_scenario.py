@@ -29,7 +29,7 @@ def frame_size(options: Scenario) -> tuple[int, int]:
 def world_of(
     scenario: Scenario, seed: np.random.SeedSequence, *, makes_scene_at_start: bool = False
 ) -> _core.SimulatedWorld:
-    """Return the world of a scenario; it makes its scene at the first look, or at the start."""
+    """Return the world of a scenario, which makes its scene on first use, or at the start."""
     world = _core.SimulatedWorld(
         area=scenario.area, resolution=frame_size(scenario), boundary=scenario.boundary
     )
@@ -76,7 +76,7 @@ _SETTERS: dict[str, Callable[[_core.SimulatedWorld, Any], None]] = {
 def seed_world(
     world: _core.SimulatedWorld, scenario: Scenario, seed: np.random.SeedSequence
 ) -> None:
-    """Give a world its random streams, and what depends on the seed: its start and its model."""
+    """Give a world its random streams, and its values from the seed: its start and its model."""
     world.set_seeds(
         noise=seeds.stream_number(seed, "noise"),
         dropout=seeds.stream_number(seed, "dropout"),
@@ -93,7 +93,7 @@ def set_scene(
     *,
     makes_at_start: bool,
 ) -> None:
-    """Let a world make its scene when somebody looks, or at the start."""
+    """Let a world make its scene on first use, or at the start."""
     make = partial(_scene_of, scenario, adjust_background or draw_red_square)
     world.set_make_scene(make, makes_at_start=makes_at_start)
 
@@ -140,7 +140,7 @@ def _true_model(options: Scenario, seed: np.random.SeedSequence, belief: RobotMo
     model = options._model or belief
     if model.dt != belief.dt:
         raise ValueError(
-            f"define_model must give a model with the dt of the world, {model.dt:g} s, got "
+            f"define_model must return a model with the dt of the world, {model.dt:g} s, got "
             f"{belief.dt:g}"
         )
     if options.mismatch is None:
