@@ -511,7 +511,7 @@ def _least_squares_errors(found: Regression, fit: ModelFit) -> Floats:
 
 
 def _departure(trace: Trace, fit: _Fit) -> tuple[Floats, str]:
-    """Return the rms one-step errors of the model (3,), and how the robot departs from it."""
+    """Return the rms one-step errors of the model (3,), and the departure of the robot from it."""
     found = regression_of(trace, identify_from="truth", motor_delay=fit["motor_delay"])
     n, theta = len(found.k), np.array(trace.info.theta_true)
     if not n or np.isnan(theta).any():
