@@ -109,7 +109,7 @@ def test_a_right_parameter_estimator_is_not_ill(name):
 # What the sentence says of the cause.
 REASONS = {
     "one sample": "remembers 1 sample, but 5 parameters",
-    "P never updated": "cannot be told apart",
+    "P never updated": "cannot be distinguished",
     "2 x(k-1) - x(k-2)": "neither phi nor y",
     "y of the step before": "phi of a step with y of the step before",
     "phi of the step before": "y of a step with phi of the step before",

@@ -1,4 +1,4 @@
-"""The doctor: checks that say what is wrong with a callback, and in which line."""
+"""The doctor: checks that find the problems of a callback and their source lines."""
 
 from robsim.base.check_report import CheckReport, Problem
 from robsim.base.source_line import SourceLine

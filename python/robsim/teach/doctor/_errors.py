@@ -49,8 +49,8 @@ def _not_a_maker(estimator: EstimatorUnderTest) -> str:
     if isinstance(make, type):
         return f"{expected}: write lambda: {name}(...)"
     if inspect.isfunction(make):
-        return f"{expected}: if that is the {noun} itself, write lambda: {name}"
-    return f"{expected}: it is {with_article(noun)} already; give its class, or lambda: {name}(...)"
+        return f"{expected}: for the {noun} itself, write lambda: {name}"
+    return f"{expected}, already {with_article(noun)}; give its class, or lambda: {name}(...)"
 
 
 def explained(error: BaseException) -> tuple[str, str]:
@@ -60,15 +60,15 @@ def explained(error: BaseException) -> tuple[str, str]:
     if isinstance(error, NotHereError):
         return NOT_HERE, text
     if isinstance(error, TimeoutError):
-        return "too slow", f"a call takes longer than {TIME_LIMIT:g} s, or never ends"
+        return "too slow", f"a call takes longer than {TIME_LIMIT:g} s, or never returns"
     if isinstance(error, ValueError) and _READ_ONLY in text:
         return (
             "writes into step",
-            "it writes into an array of the step, which is read-only: work on a copy, such as "
-            "np.array(...), and beware of +=, -= and [...] =",
+            "it writes into an array of the step, which is read-only: work on a copy from "
+            "np.array(...), and avoid +=, -= and [...] =",
         )
     if isinstance(error, (TypeError, ValueError)) and called_in(error) == Estimate.__name__:
-        return "wrong Estimate", f"its Estimate has a value that it cannot have: {text}"
+        return "wrong Estimate", f"its Estimate has an invalid value: {text}"
     name = type(error).__name__
     if isinstance(error, (AttributeError, NameError)):
         text = str(TracebackException.from_exception(error))  # with "Did you mean ...?"
@@ -76,7 +76,7 @@ def explained(error: BaseException) -> tuple[str, str]:
 
 
 def _hints(error: BaseException) -> list[str]:
-    """Return the notes that say why, without those that say where."""
+    """Return the notes of an error without the notes about its place."""
     notes = getattr(error, "__notes__", ())
     return [note for note in notes if not note.startswith(("in the callback", "while loading"))]
 

@@ -1,4 +1,4 @@
-"""What is wrong first with callbacks that come from anywhere, in a sentence."""
+"""The first problem of callbacks from any source, in a sentence."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ def _variables(function: Any) -> Iterator[Any]:
 
 
 def _shared_by(value: Any) -> Iterator[Any]:
-    """Yield the numbers of its class, and what its functions find in their module."""
+    """Yield the numbers of the value's class, and the module variables that its functions read."""
     of_class = {name: one for cls in type(value).__mro__[::-1] for name, one in vars(cls).items()}
     yield from (one for one in of_class.values() if isinstance(one, (np.ndarray, list, float)))
     for one in (value, *of_class.values()):
@@ -64,7 +64,7 @@ def _shared_by(value: Any) -> Iterator[Any]:
 
 
 def _matrix(rows: Sequence[Any]) -> list[Floats]:
-    """Return lists of lists of numbers as an array; empty = they are something else."""
+    """Return nested lists of numbers as an array; empty = other contents."""
     if not rows or not all(isinstance(row, (list, tuple)) for row in rows):
         return []
     try:

@@ -24,7 +24,7 @@ def line_that_reads(estimator: EstimatorUnderTest, *names: str) -> SourceLine | 
 def line_where(
     estimator: EstimatorUnderTest, is_meant: Callable[[ast.AST], bool]
 ) -> SourceLine | None:
-    """Return the line of the first node that is meant, or else the estimator's definition."""
+    """Return the line of the first node that fits, or else the estimator's definition."""
     found = (line for line, node in nodes_of(estimator) if is_meant(node))
     return next(found, estimator.line)
 
@@ -57,7 +57,7 @@ def line_of_covariance(estimator: EstimatorUnderTest) -> SourceLine | None:
 def nodes_of(estimator: EstimatorUnderTest) -> Iterator[tuple[SourceLine, ast.AST]]:
     """Yield the nodes of the estimator's own source with their lines, its class before its bases.
 
-    Nothing is yielded where the source cannot be read, or is not the user's.
+    Yields nothing if the source is unreadable or not the user's.
     """
     for file, function in _functions(estimator):
         name = getattr(function, "name", "<lambda>")
@@ -114,13 +114,13 @@ def _parsed(source: str) -> ast.AST:
 
 
 def _name_of(node: ast.AST) -> str | None:
-    """Return the name of a variable, or of an attribute; None = it is something else."""
+    """Return the name of a variable or of an attribute; None = another node."""
     name: str | None = getattr(node, "attr", getattr(node, "id", None))
     return name
 
 
 def _is_measured_pose(node: ast.AST) -> bool:
-    """Return whether it is the pose of something that is called a measurement."""
+    """Return whether the node is the pose of a variable named like a measurement."""
     if not isinstance(node, ast.Attribute) or node.attr != "pose":
         return False
     return _name_of(node.value) == "measurement"
@@ -143,6 +143,6 @@ def _covariance_names(call: ast.AST) -> set[str]:
 
 
 def _sets(node: ast.AST, names: Collection[str]) -> bool:
-    """Return whether it sets one of the names, or a part of it: P, self.P, self.P[i]."""
+    """Return whether the node sets one of the names or a part of one: P, self.P, self.P[i]."""
     target = node.value if isinstance(node, ast.Subscript) else node
     return isinstance(getattr(node, "ctx", None), ast.Store) and _name_of(target) in names

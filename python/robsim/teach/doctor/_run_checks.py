@@ -32,7 +32,7 @@ telling: ContextVar[Callable[[str], object]] = ContextVar("telling", default=lam
 
 @dataclass(frozen=True)
 class Done:
-    """A check has been done; its problems came before."""
+    """A finished check; its problems precede this item."""
 
     title: str
 
@@ -63,7 +63,7 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
         found.append(problem_of_make(estimator, none.__cause__ or none))
     found.extend(str(one) if slot.may_print else one for one in _printed(estimator))
     if estimator.shows:
-        found.append("it calls plt.show, which does nothing here, but in a run waits for a click")
+        found.append("it calls plt.show, which does nothing here but blocks a run until a click")
     return CheckReport(
         name=estimator.name,
         problems=tuple(one for one in found if isinstance(one, Problem)),
@@ -83,13 +83,13 @@ def _from_file(path: Path, slot: Slot) -> Callable[[], Any]:
 
 
 def load(folder: CallbackFolder) -> Callbacks:
-    """Load the callbacks of a folder; raises TimeoutError if that takes too long."""
+    """Load the callbacks of a folder; raise TimeoutError if loading takes too long."""
     callbacks: Callbacks = in_time(folder.load)
     return callbacks
 
 
 def fresh_callback(folder: CallbackFolder, slot: str) -> Callable[..., Any]:
-    """Return a callback of modules of its own, which imports helper modules when it is called."""
+    """Return a callback from separate modules, which imports helper modules when called."""
     own, callbacks = folder.anew()
     callback: Any = callbacks[slot]
     if not own.helpers:
@@ -113,13 +113,13 @@ def _printed(estimator: EstimatorUnderTest) -> list[Problem]:
     return [Problem(kind="prints", sentence=sentence, line=estimator.stdout.line or estimator.line)]
 
 
-# Relative; the same sums may round differently where arrays lie differently in memory.
+# Relative; equal sums may round differently if arrays are aligned differently in memory.
 _TOLERANCE = 1e-6
 _TOGETHER = 40  # steps
 
 
 def replay_problem(alone: Trial, again: Trial | None = None) -> Problem | None:
-    """Return whether a fresh estimator gives other results in the first half of the same run.
+    """Return a problem if a fresh estimator's results differ in the first half of the same run.
 
     The cause may be memory of the earlier run, data of future steps, or random numbers.
     """
@@ -129,7 +129,7 @@ def replay_problem(alone: Trial, again: Trial | None = None) -> Problem | None:
 
 
 def together_problem(alone: Trial, other: Situation) -> Problem | None:
-    """Return whether a second estimator, in another situation, influences the one of a trial."""
+    """Return a problem if a second estimator, in another situation, influences the first."""
     estimator = alone.estimator
     together = estimator.try_together(alone.situation.first(_TOGETHER), other)
     step = _difference(together, alone)
@@ -150,7 +150,7 @@ def together_problem(alone: Trial, other: Situation) -> Problem | None:
 
 
 def _difference(trial: Trial, alone: Trial) -> int | None:
-    """Return the first step whose output differs from that of the first run, or fails."""
+    """Return the first step whose output differs from the first run, or fails."""
     steps = min(len(trial.outputs), len(alone.outputs))
     one, other = trial.outputs[:steps], alone.outputs[:steps]
     if steps and one.shape != other.shape:
@@ -170,7 +170,7 @@ _DEPENDS_ON_FUTURE = (
 REMEMBERS = "remembers earlier run"
 _REMEMBERS = (
     REMEMBERS,
-    "a fresh one from make() remembers the run before: set all state in __init__ (or "
+    "a fresh one from make() remembers the previous run: set all state in __init__ (or "
     "inside make), not in a global variable, the class or a default argument",
 )
 _NOT_REPRODUCIBLE = (
@@ -204,7 +204,7 @@ _MINIMUM_EIGENVALUE = 1e-12
 
 
 def covariance_problem(trial: Trial) -> Problem | None:
-    """Return the first step whose covariance is not symmetric positive definite, and why.
+    """Return a problem for the first step whose covariance is not symmetric positive definite.
 
     NEES and every ellipse need its inverse, and a variance of 0 claims exact knowledge.
     """
@@ -216,7 +216,7 @@ def covariance_problem(trial: Trial) -> Problem | None:
 
 
 def fault_of_covariance(P: Floats) -> tuple[str, str] | None:
-    """Return kind and sentence of what is wrong with a covariance; None = nothing."""
+    """Return kind and sentence of a covariance's fault; None = no fault."""
     variances = np.diag(P)
     for name, variance in zip(("x", "y", "heading"), variances, strict=True):
         if variance <= 0:

@@ -83,7 +83,7 @@ class Situation:
         return replace(self, measurements=tuple(shifted))
 
     def pushed(self, steps: range, volts: float) -> Situation:
-        """Return the drive with so much more on the left motor in some steps, all else the same."""
+        """Return the same drive with additional voltage on the left motor in some steps."""
         u = self.u.copy()
         u[steps, 0] += volts
         model = RobotModel(RobotParameters(dt=self.dt))

@@ -1,4 +1,4 @@
-"""The two kinds of estimators: how the simulation calls them and what they have to return."""
+"""The two kinds of estimators: their calls in a simulation and their results."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ _KEPT_CHARACTERS = 200  # of stdout
 
 
 class BadResult(Exception):
-    """An estimator returned what its slot cannot use."""
+    """An estimator returned a result that its slot cannot use."""
 
     def __init__(self, kind: str, sentence: str) -> None:
         super().__init__(sentence)
@@ -56,7 +56,7 @@ def described(result: Any) -> str:
 def finite_numbers(
     result: Any, shape: tuple[int, ...], expected: str, hint: str, unit: str = ""
 ) -> Floats:
-    """Return a result as finite numbers; a BadResult names the expected result, or has a hint."""
+    """Return a result as finite numbers; a BadResult names the expected result or a hint."""
     numbers = numbers_in(result, shape)
     if numbers is None:
         raise BadResult("output shape", f"it returns {described(result)}, not {expected}")
@@ -120,7 +120,7 @@ class Trial:
 
 
 class CallClock:
-    """The duration of calls, whatever else the machine has to do meanwhile."""
+    """The duration of calls, independent of the machine's load."""
 
     def __init__(self) -> None:
         self._times: list[tuple[float, float, float]] = []
@@ -142,8 +142,8 @@ class CallClock:
     def check(self, budget: float) -> None:
         """Raise BadResult if a call takes longer than the budget (s).
 
-        It takes what it works and what it waits, such as in a sleep, without the time in which
-        other programs have the processor.
+        The duration includes work and waiting, such as a sleep, but not the time in which other
+        programs have the processor.
         """
         if not self._times:
             return
@@ -167,7 +167,7 @@ def _clocks() -> tuple[float, float, float]:
 
 
 def _slowdown() -> float:
-    """Return how much longer than it works a program takes now, since others run, too."""
+    """Return the factor by which the machine's load slows a program down now."""
     then, before, _ = _clocks()
     while time.thread_time() - before < _PROBE:
         pass
@@ -306,7 +306,7 @@ class _TrialRun:
         return self.trial()
 
     def watched(self) -> AbstractContextManager[None]:
-        """Enforce the time limit on all steps in the context: to begin anew in each takes long."""
+        """Enforce the time limit on all steps in the context; a limit per step takes longer."""
         watched: AbstractContextManager[None] = self._simulation._watched()
         return watched
 

@@ -21,12 +21,12 @@ def check_folder(
     task: str | Task | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> FolderReport:
-    """Check all callbacks of a folder, or one callback file, and report what is wrong with them.
+    """Check all callbacks of a folder, or one callback file, and report their problems.
 
     Each is checked alone, by the check for its slot: `check_controller`, `check_measurement`,
     `check_estimator`, `check_parameter_estimator`, `check_model`, `check_motion`,
-    `check_background`. With a task they are also tried on it, as `robsim.teach.try_solution` does,
-    and the worst run is looked at.
+    `check_background`. With a task, `robsim.teach.try_solution` also runs them on the task, and the
+    doctor examines the worst run.
 
     Parameters
     ----------
@@ -35,21 +35,21 @@ def check_folder(
     slots : str or iterable of str, optional
         The slots to check. Default: all that have a file.
     task : str or Task, optional
-        The task that the folder is to solve, or its name: it is checked in the world of the task,
-        with what that gives, and for the slots that it asks for.
+        The task that the folder is to solve, or its name. The check then uses the task's world,
+        its inputs and its slots.
     progress : callable, optional
         Called with a line, such as ``print``, when a check is done.
 
     Returns
     -------
     FolderReport
-        True if all checks pass. A file that cannot be loaded is a problem, too. With a task it is a
-        `TaskReport`: True if the task is solved, and all checks pass.
+        True if all checks pass. A file that fails to load is a problem, too. With a task, a
+        `TaskReport`: True if the callbacks solve the task and all checks pass.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file or folder.
+        If the file or folder is missing.
     TypeError, ValueError
         If there are no callback files, a slot or a task is unknown, or `progress` is not callable.
 

@@ -1,7 +1,7 @@
-"""Whether the covariance that an estimator claims is the one of its gain.
+"""Check whether an estimator's claimed covariance matches its gain.
 
 A Kalman filter has P+ = (I - K) P- and P+ = K R. Its gain K is measured, with displaced
-measurements; P+ and P- are its own, of the same step with and without a measurement.
+measurements; P+ and P- are the estimator's, of the same step with and without a measurement.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _REPEATED = range(1, 4)
 
 
 def gain_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return whether the gain is constant, while the covariance is not."""
+    """Return a problem if the gain is constant while the covariance is not."""
     K, later = gains.usual, gains.after_gap
     if (abs(K - later) > _EQUAL).any():
         return None
@@ -58,7 +58,7 @@ def gain_problem(trials: Trials, gains: Gains) -> Problem | None:
 
 
 def claim_problems(trials: Trials, gains: Gains) -> Iterator[Problem]:
-    """Yield whether it claims standard deviations, or P+ = K R / n: n measurements for one."""
+    """Yield a problem if P holds standard deviations, or P+ = K R / n: n measurements for one."""
     K = gains.after_gap
     if (abs(K - 1) > _SHARE).any():
         return
@@ -86,7 +86,7 @@ def claim_problems(trials: Trials, gains: Gains) -> Iterator[Problem]:
     if n > 1:
         yield trials.gap.problem(
             "measurement repeated",
-            f"after a measurement its covariance is 1/{n} of R: it takes one measurement for {n} "
+            f"after a measurement its covariance is 1/{n} of R, as if one measurement were {n} "
             "independent ones; update once with each",
             UNSEEN.stop,
             line_of_measurement(trials.estimator),

@@ -1,4 +1,4 @@
-"""Whether a covariance fits the errors, and the inputs the motion while the robot is not seen."""
+"""Check a covariance against the errors, and the inputs against the motion out of sight."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from robsim.teach.doctor.trials import SETTLED, Trials, distances, errors, varia
 
 # Mean NEES: 3 for a consistent filter. Q and R tuned 4 times too large or small: 0.5 to 12.
 _TOO_SURE = 20.0
-_SHARPER = 0.1  # the noise of the best camera, relative to that of the situation
+_SHARPER = 0.1  # the best camera's noise, relative to the situation's
 _TOO_CAUTIOUS = 0.02  # mean of e^2 / P of a component: 1 if consistent
 _LAG = 0.5  # steps; filters with a model have less than 0.2
 # Out of sight P grows, and with the next measurement it falls to about R: by a factor of 1 - gain.
-_KEPT = 0.9  # share of the variance that is left
-_LISTENS = 0.5  # gain above which at most half of it must be left
-_CERTAIN = 0.9  # gain above which a variance is that of one measurement
+_KEPT = 0.9  # share of the variance left
+_LISTENS = 0.5  # gain above which half at most must be left
+_CERTAIN = 0.9  # gain above which one measurement's variance is left.
 _SUNK = 0.15  # of the variance before the gap; it must be at least that, 1
 _FIRST = 0.02  # the same after the very first measurement
 
@@ -51,10 +51,10 @@ def growth_problem(trials: Trials) -> Problem | None:
 
 
 def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return whether a measurement reduces the covariance not at all, or too far.
+    """Return a problem if a measurement does not reduce the covariance, or reduces it too far.
 
-    A Kalman filter has P+ = (1 - K) P-, and after a gap, with K near 1, P+ = R, which is more
-    than it has when the robot is seen at every step.
+    A Kalman filter has P+ = (1 - K) P-. After a gap, K is near 1 and P+ = R, which is more
+    than P of a robot that is seen at every step.
     """
     P, K = variances(trials.gap), gains.after_gap
     before, unseen, after = P[UNSEEN[0] - 1], P[UNSEEN[-1]], P[UNSEEN.stop]
@@ -64,8 +64,8 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
             "covariance not reduced",
             "when the robot is seen again the estimate follows the measurement (gain "
             f"{K[is_kept].max():.2g}), but the variance of {named(is_kept)} stays "
-            f"{(after / unseen)[is_kept].max():.2g} times what it was: a measurement has to reduce "
-            "it, P = (I - K H) P",
+            f"{(after / unseen)[is_kept].max():.2g} times its previous value: a measurement has "
+            "to reduce the variance, P = (I - K H) P",
             UNSEEN.stop,
             line_of_covariance(trials.estimator),
         )
@@ -79,8 +79,8 @@ def reduction_problem(trials: Trials, gains: Gains) -> Problem | None:
     return trials.gap.problem(
         "covariance reduced too far",
         f"after one measurement its variance of {named(is_sunk)} is smaller than after many in a "
-        "row: one measurement cannot tell more than itself, so that P after a long time unseen is "
-        "about R. P = (I - K H) P (I - K H)' lacks its + K R K', or K is not the one of this P; "
+        "row: after a long time unseen, one measurement reduces P to about R, not further. "
+        "P = (I - K H) P (I - K H)' lacks its + K R K', or K belongs to another P; "
         "from P alone these cannot be distinguished",
         UNSEEN.stop,
         line_of_covariance(trials.estimator),
@@ -95,7 +95,7 @@ def ahead_problem(trials: Trials) -> Problem | None:
         "estimate ahead",
         f"its estimate is {lead:.2g} of its steps ahead of the robot: it returns the prediction "
         "for the next step, or predicts after the update and again before the next one; the "
-        "estimate of a step is that after the update with the measurement of this step",
+        "estimate of a step is the result of the update with the measurement of this step",
     )
 
 
@@ -106,9 +106,9 @@ def lost_problem(trials: Trials) -> Problem | None:
     return trials.gap.problem(
         "lost after a gap",
         f"{len(distance) - UNSEEN.stop} steps after the robot is seen again its estimate is "
-        f"{distance[-1]:.3g} px and {np.degrees(angle[-1]):.0f} degrees off: where measurements "
-        "far from the prediction are left out, the limit has to grow with P, or they must be "
-        "believed after some steps; otherwise its covariance does not grow",
+        f"{distance[-1]:.3g} px and {np.degrees(angle[-1]):.0f} degrees off: if the filter rejects "
+        "measurements far from the prediction, its limit has to grow with P, or it must accept "
+        "them after some steps; otherwise its covariance does not grow",
         len(distance) - 1,
         line_of_measurement(trials.estimator),
     )
@@ -120,7 +120,7 @@ _OVERSHOOTS = 1.01  # of a displacement of all measurements; without a speed it 
 
 
 def thrown_problem(trials: Trials, gains: Gains) -> Problem | None:
-    """Return whether an estimator loses its state at the first step without a measurement."""
+    """Return a problem if an estimator loses its state at the first step without a measurement."""
     k = UNSEEN.start
     last, first = trials.gap.outputs[k - 1 : k + 1, :3]
     P, unborn = variances(trials.gap), variances(trials.late)[0]
@@ -131,7 +131,9 @@ def thrown_problem(trials: Trials, gains: Gains) -> Problem | None:
     elif (P[k] > _NEVER_SEEN * unborn).all() and (P[k] > P[k - 1] / _NEVER_SEEN).all():
         what = "its covariance is as large as before the first measurement"
     elif has_speed and trials.way_in_gap < _RESTS:
-        what = f"it moves {trials.way_in_gap:.2g} times as far as the robot, though it has a speed"
+        what = (
+            f"it moves {trials.way_in_gap:.2g} times as far as the robot, although it has a speed"
+        )
     else:
         return None
     return trials.gap.problem(
@@ -150,12 +152,12 @@ def size_problem(trials: Trials, gains: Gains) -> Problem | None:
         return None
     kind, cause = stopped_listening(gains) or (
         "covariance too small",
-        "look at R and Q (variances, in px^2 and rad^2), and at what P becomes after the update",
+        "check R and Q (variances, in px^2 and rad^2), and P after the update",
     )
     return trials.seen.problem(
         kind,
         f"its errors are {np.sqrt(nees(trials.seen) / 3):.2g} times as large as its covariance "
-        f"claims, and too large even before a camera with a tenth of the noise: {cause}",
+        f"claims, and too large even for a camera with a tenth of the noise: {cause}",
         line=line_of_covariance(trials.estimator),
     )
 
@@ -164,11 +166,11 @@ def consistency_remarks(trials: Trials) -> Iterator[str]:
     noise = "noise here: {:g} px, {:g} px, {:g} rad".format(*MEASUREMENT_SIGMA)
     lag = _lag(trials.seen)
     if lag > _LAG:
-        yield f"its estimate lags {lag:.2g} steps behind the robot, as that of a low-pass does"
+        yield f"its estimate lags {lag:.2g} steps behind the robot, like a low-pass filter"
     if nees(trials.seen) > _TOO_SURE:
         yield (
             f"its errors are {np.sqrt(nees(trials.seen) / 3):.2g} times as large as it claims: "
-            f"right only before a camera with less noise ({noise})"
+            f"right only for a camera with less noise ({noise})"
         )
     e, P = errors(trials.seen)[SETTLED:], variances(trials.seen)[SETTLED:]
     share = np.mean(e**2 / P, axis=0)
@@ -177,20 +179,20 @@ def consistency_remarks(trials: Trials) -> Iterator[str]:
         factor = 1 / np.sqrt(share[is_vague].min())
         yield (
             f"its errors of {named(is_vague)} are {factor:.2g} times smaller than it claims: R or "
-            f"Q is meant for more noise ({noise}), or a standard deviation stands where a variance "
-            "belongs; the doctor cannot tell, since it does not know your camera"
+            f"Q is meant for more noise ({noise}), or a standard deviation is used as a "
+            "variance; the doctor does not know your camera, so it cannot distinguish these"
         )
 
 
 def nees(trial: Trial) -> float:
-    """Return the mean of e' P^-1 e, without what is mere lag behind the robot."""
+    """Return the mean of e' P^-1 e, without the errors of mere lag behind the robot."""
     e, P = _without_lag(trial)[SETTLED:], trial.outputs[SETTLED:, 3:12].reshape(-1, 3, 3)
     P = (P + P.transpose(0, 2, 1)) / 2
     return float(np.mean(np.sum(e * np.linalg.solve(P, e[:, :, None])[:, :, 0], axis=1)))
 
 
 def _lag(trial: Trial) -> float:
-    """Return by how many steps the estimate is behind: the error relative to the displacement."""
+    """Return the steps by which the estimate lags: the error relative to the displacement."""
     e, way = errors(trial)[SETTLED:, :2], np.diff(trial.situation.poses[:, :2], axis=0)
     way = way[SETTLED - 1 : len(e) + SETTLED - 1]
     return float(-np.sum(e * way) / np.sum(way**2))

@@ -1,7 +1,7 @@
-"""What an estimate makes of a measurement: how much of it, and when.
+"""The effect of a measurement on an estimate: its size and its delay.
 
-The same drive is tried again with displaced measurements. What changes in the estimate, divided by
-the displacement, is the gain of the filter, whatever its inside looks like.
+The doctor repeats a drive with displaced measurements. The gain of any filter is the change of its
+estimate divided by the displacement.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def delays(changed: npt.NDArray[np.bool_]) -> list[int | None]:
 class Gains:
     """The responses of an estimator to measurements.
 
-    A gain is the share of the displacement of a measurement that the estimate takes over at once.
+    A gain is the share of a measurement's displacement that the estimate follows at once.
     """
 
     def __init__(self, trials: Trials) -> None:
@@ -119,7 +119,7 @@ def unused_problem(trials: Trials, gains: Gains) -> Problem | None:
         return None
     return trials.seen.problem(
         "ignores measurement",
-        f"its estimate of {named(is_unused)} is the same wherever that is measured: use all of "
+        f"its estimate of {named(is_unused)} ignores the measured value: use all of "
         "step.measurement.pose, x, y and heading",
         line=line_of_measurement(trials.estimator),
     )
@@ -142,10 +142,10 @@ def late_problem(trials: Trials, gains: Gains) -> Problem | None:
     count = "one step" if steps == 1 else f"{steps} steps"
     return trials.seen.problem(
         "measurement late",
-        f"the {names} that it measures at a step has no effect on its estimate of that step, but "
+        f"the {names} measured at a step has no effect on its estimate of that step, but "
         f"{count} later: it uses the measurement of an earlier step, or returns the estimate of an "
-        "earlier step (the prediction before the update): these cannot be distinguished, as both "
-        "give the same numbers",
+        "earlier step (the prediction before the update): these cannot be distinguished, because "
+        "both give the same numbers",
         DISPLACED_AT,
         line_of_measurement(trials.estimator),
     )
@@ -160,8 +160,8 @@ def divergence_problem(trials: Trials, gains: Gains) -> Problem | None:
     line_of = line_of_covariance if kind == _NO_Q else line_of_measurement
     return trials.seen.problem(
         kind,
-        f"its estimate is {distance[k]:.3g} px and {np.degrees(angle[k]):.0f} degrees off, though "
-        f"the robot is seen at every step: {cause}",
+        f"its estimate is {distance[k]:.3g} px and {np.degrees(angle[k]):.0f} degrees off, "
+        f"although the robot is seen at every step: {cause}",
         k,
         line_of(trials.estimator),
     )
@@ -175,19 +175,19 @@ def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
         return (
             "gain of wrong sign",
             f"displaced by 1, {named(own < -_HARDLY)} moves by {own.min():.2g} at the second "
-            "step: the innovation is measured - predicted, and is added",
+            "step: the innovation is measured - predicted, and must be added",
         )
     if (abs(plane) < others[:2, :2].max(axis=1)).all():
         return (
             "components exchanged",
-            "where the measured x is displaced its y moves, and the other way round: the order is "
+            "a displaced measured x moves its y, and the other way round: the order is "
             "x, y, heading",
         )
     if abs(own[2]) > 20 or 0 < abs(own[2]) < 1 / 20 < plane.min():
         return (
             "heading in degrees",
             f"a measured heading displaced by 1 rad moves its heading by {own[2]:.3g}: headings "
-            "are in rad, also those of Estimate",
+            "are in rad, also the heading of Estimate",
         )
     if (own > 1.5).any():
         return (
@@ -199,7 +199,7 @@ def _cause(gains: Gains, *, is_near: bool) -> tuple[str, str]:
         return stopped
     return (
         _DIVERGES,
-        "its first gains are right, so look at the prediction, units (heading in rad) and the "
+        "its first gains are right: check the prediction, units (heading in rad) and the "
         "order x, y, heading",
     )
 
@@ -210,8 +210,8 @@ def stopped_listening(gains: Gains) -> tuple[str, str] | None:
         return None
     return (
         _NO_Q,
-        f"of a displaced measurement it takes over {usual.max():.2g} at step {DISPLACED_AT} "
-        f"({first.max():.2g} at the second step): it has stopped listening, since its covariance "
+        f"it follows a displaced measurement by {usual.max():.2g} at step {DISPLACED_AT} "
+        f"({first.max():.2g} at the second step): it has stopped listening, because its covariance "
         "has become too small; add the process noise Q at each prediction, P = F P F' + Q, or a "
         "larger one",
     )
@@ -223,11 +223,11 @@ def gain_remarks(trials: Trials, gains: Gains) -> Iterator[str]:
     gain = gains.usual
     if np.allclose(gain, 1, atol=1e-9):
         yield (
-            "it hands the measurement on (its gain is 1): nothing is filtered while the robot is "
-            "seen"
+            "it only passes the measurement on (its gain is 1): nothing is filtered while the "
+            "robot is seen"
         )
     elif (abs(gain) < 0.05).all() and not any(gains.delay):
         yield (
-            f"it hardly listens to measurements any more (its gain is {abs(gain).max():.2g}): "
+            f"it hardly listens to measurements (its gain is {abs(gain).max():.2g}): "
             "correct only if its model is exact, without disturbances, slip and walls"
         )

@@ -1,7 +1,7 @@
 """The response of an estimate to the inputs while the robot is not seen.
 
-In a second run the left motor has more voltage. The estimate changes as the robot does, if the
-estimator has the robot's model.
+In a second run the left motor has more voltage. If the estimator has the robot's model, the
+estimate changes like the robot.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _TOO_FAR = 1.5  # also of the true way; twice the prediction gives 1.8, a crude 
 _SWAPPED = (
     "inputs swapped",
     "its heading turns the other way: u[0] is the left motor, u[1] the right one, and the heading "
-    "grows clockwise on the image, as y points down; these cannot be distinguished, since both "
-    "mirror the turn",
+    "grows clockwise on the image, because y points down; these cannot be distinguished, because "
+    "both mirror the turn",
 )
 _NEGATED = ("inputs of wrong sign", "it moves the other way: positive voltages drive forward")
 _NO_TURN = (
@@ -34,8 +34,8 @@ _NO_TURN = (
 )
 _TOO_LARGE = (
     "moves too far",
-    "it moves further than the robot does: it predicts twice in a step, its dt is too large, or "
-    "its inputs are: these cannot be distinguished, since all of them add the same way",
+    "it moves further than the robot: it predicts twice in a step, its dt is too large, or "
+    "its inputs are: these cannot be distinguished, because all of them add the same way",
 )
 _LATE = "inputs late"
 
@@ -73,8 +73,8 @@ def inputs_problems(trials: Trials) -> Iterator[Problem | str]:
         yield trials.gap.problem(
             _LATE,
             f"an input changes its estimate {steps} later than the robot moves: step.last_u is the "
-            "input that has moved the robot since the last step; take that, not an earlier one, "
-            "and move the pose with the new speed",
+            "input that has moved the robot since the last step; use step.last_u, not an earlier "
+            "input, and move the pose with the new speed",
             UNSEEN.start + 1 + late,
             line,
         )
@@ -86,7 +86,7 @@ def _ahead(change: Floats, heading: Floats) -> float:
 
 
 def _responds_at_once(trials: Trials) -> bool:
-    """Return whether its speed does, as in Euler's method, which moves the pose a step later."""
+    """Return whether its speed responds at once, as in Euler's method with its late pose."""
     u = trials.pushed.situation.u[UNSEEN.start]
     kept = trials.kept.get("gap", []), trials.kept.get("pushed", [])
     if [one.shape for one in kept[0]] != [one.shape for one in kept[1]]:

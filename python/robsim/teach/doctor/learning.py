@@ -1,7 +1,7 @@
-"""Whether parameters predict better than no learning at all, and why they do not.
+"""Check whether parameters predict better than no learning at all, and find the cause.
 
-Measured against 2 x(k-1) - x(k-2), the robot that goes on as before, which needs no parameters:
-rms of phi (theta - theta_true) over the samples that are yet to come, relative to its own. Right
+The baseline is 2 x(k-1) - x(k-2), a robot of constant speed, which needs no parameters. The error
+is the rms of phi (theta - theta_true) over all later samples, relative to the baseline. Right
 estimators reach 0.01 to 0.2, as the disturbances of the drive are small.
 """
 
@@ -36,10 +36,10 @@ Delays = list[int | None]
 
 
 class Influence:
-    """The steps after which the parameters change, beside a trial without displacement.
+    """The steps after which the parameters change, compared with a trial without displacement.
 
-    The same drive is tried again with one pose, or one input, displaced. A pose stands in the y of
-    its step and in the phi of the next two; an input in the phi of the step after it.
+    The doctor repeats the drive with one displaced pose or input. A pose is part of the y of
+    its step and of the phi of the next two; an input is part of the phi of the next step.
     """
 
     def __init__(self, usual: Trial) -> None:
@@ -59,7 +59,7 @@ class Influence:
 
     @cached_property
     def memory(self) -> int | None:
-        """The number of samples after which one is forgotten; None = longer than was watched."""
+        """The number of samples after which one is forgotten; None = longer than the watch."""
         changed = self._changed(self._displaced(0)).any(axis=1)
         if not changed.any():
             return 0
@@ -78,7 +78,7 @@ class Influence:
 
     @property
     def mixed(self) -> list[tuple[int, int]]:
-        """The pairs of axes (of the sample, of the parameters) of which one changes the other."""
+        """The pairs of axes (of the sample, of the parameters) with a wrong influence."""
         return [
             (i, j)
             for i, one in enumerate(self.of_pose)
@@ -102,21 +102,21 @@ class Influence:
 
 
 # P grows by 1 / lambda at each sample that brings nothing new. Beyond 1e15 times its size a double
-# has no digit left of what was known.
+# has no digit left of the earlier knowledge.
 MAXIMUM_GROWTH = 1e15
 
 
 def largest_square(estimator: Any) -> float:
-    """Return the largest number in the square matrices that an estimator keeps; 0 = it has none.
+    """Return the largest number in the square matrices that an estimator keeps, 0 without any.
 
-    Looked at are its attributes, the variables of a closure, and lists and dicts of these.
+    The search covers its attributes, the variables of a closure, and lists and dicts of these.
     """
     sizes = [abs(one).max() for one in arrays_in(estimator) if _is_square(one)]
     return float(max(sizes, default=0.0))
 
 
 def keeps_symmetric(estimator: Any) -> bool:
-    """Return whether it keeps square matrices, all of them symmetric to the last digit."""
+    """Return whether the estimator keeps square matrices, all symmetric to the last digit."""
     if isinstance(estimator, RecursiveLeastSquares):
         return True
     squares = [one for one in arrays_in(estimator) if _is_square(one)]
@@ -138,7 +138,7 @@ _NOTHING = "learns nothing"
 _MISMATCHED = "sample mismatched"
 _STAYS = 0.1  # of the displacement in a step
 _LEARNED = 0.95  # of the rms of 2 x(k-1) - x(k-2)
-_LAST = 150  # samples over which it is measured
+_LAST = 150  # samples in the mean.
 _UNKNOWNS = 5  # of an axis
 _RUNAWAY = 1e6  # right ones are below 10
 _FITTED = 0.02  # share of an error that is left after the update; least squares leave about 1
@@ -165,12 +165,12 @@ class Learning:
         self.rows_are_one = bool((thetas == thetas[:, :1]).all())
 
     def error_of(self, theta: Floats) -> Floats:
-        """Return the error of parameters (3, 5) or (N, 3, 5), relative to going on as before."""
+        """Return the error of parameters (3, 5) or (N, 3, 5), relative to the baseline."""
         return np.asarray(self._rms(theta) / self._rms(_GOES_ON))
 
     @property
     def is_near(self) -> bool:
-        """Whether they have not grown beyond what a displaced sample could change."""
+        """Whether the parameters are within the reach of a displaced sample."""
         return bool((abs(self.before) < _RUNAWAY).all())
 
     @property
@@ -197,19 +197,19 @@ def mismatch_problem(trial: Trial, influence: Influence) -> Problem | None:
     late, other = ("y", "phi") if is_y_late else ("phi", "y")
     return trial.problem(
         _MISMATCHED,
-        f"it uses {other} of a step with {late} of the step before: a displaced {other} changes "
-        f"its parameters at once, a displaced {late} a step later; phi and y of one call belong "
-        "together, y = phi @ theta",
+        f"it uses {other} of a step with {late} of the previous step: a displaced {other} "
+        f"changes its parameters at once, a displaced {late} a step later; phi and y of one "
+        "call belong together, y = phi @ theta",
         DISPLACED_AT,
         line_that_reads(trial.estimator, late),
     )
 
 
 def learning_items(trial: Trial, influence: Influence) -> Iterator[Problem | str]:
-    """Yield why the parameters predict no better than going on as before does, if so."""
+    """Yield the reasons of parameters that predict no better than the baseline."""
     learning = Learning(trial)
     error = learning.error_of(learning.before)
-    # Without its inputs the robot is predicted somewhat better than by going on as before.
+    # Without its inputs the robot is predicted somewhat better than by the baseline.
     has_no_inputs = learning.never_changed[:, 2:4].all(axis=1) & ~learning.before[-1, :, 2:4].any(
         axis=1
     )
@@ -225,9 +225,9 @@ def learning_items(trial: Trial, influence: Influence) -> Iterator[Problem | str
     if found is None:  # they come slowly
         yield (
             f"{result}; each update reduces the error of its sample by "
-            f"{1 - np.median(learning.left):.2g} of it, as a gradient method (LMS, NLMS) does: "
-            "right, but too slow for regressors that are nearly dependent. The doctor cannot tell "
-            "it from least squares with too small a gain"
+            f"{1 - np.median(learning.left):.2g} of it, like a gradient method (LMS, NLMS): "
+            "right, but too slow for regressors that are nearly dependent. The doctor cannot "
+            "distinguish this from least squares with too small a gain"
         )
         return
     kind, cause = found
@@ -239,29 +239,29 @@ def _from_values(learning: Learning, influence: Influence) -> Iterator[tuple[str
     if learning.are_whole:
         yield (
             "whole numbers",
-            "its parameters are whole numbers at all steps: theta is an array of integers, which "
-            "cuts off all fractions; make it of floats, such as np.zeros((3, 5))",
+            "its parameters are whole numbers at all steps: theta is an integer array, which "
+            "cuts off all fractions; use floats, such as np.zeros((3, 5))",
         )
     if learning.rows_are_one and not learning.never_changed[0, 0]:
         yield (
             "axes mixed",
             "its three rows are the same at all steps: each axis has its own theta[i], phi[i], "
-            "y[i] and P; one filter for all three does this, and [[0.0] * 5] * 3, which is one "
-            "list three times",
+            "y[i] and P; one filter for all three causes this, and so does [[0.0] * 5] * 3, which "
+            "is one list three times",
         )
     # They grow without bound, so that nothing else can be seen in them.
     if not learning.is_near and np.nanmedian(learning.left) > 1:
         yield (
             "wrong sign",
             "an update makes the error of its sample larger: theta = theta + K (y - phi @ "
-            "theta); look at the signs of K and of the error, and that it is the error of this "
+            "theta); check the signs of K and of the error, and use the error of this "
             "axis",
         )
     if _is_standing(learning):
         yield (
             _MISMATCHED,
             "they are (1, 0, 0, 0, 0), so that y is x(k-1): it uses phi of a step with y of the "
-            "step before; phi and y of one call belong together",
+            "previous step; phi and y of one call belong together",
         )
 
 
@@ -281,7 +281,7 @@ def _from_displacements(learning: Learning, influence: Influence) -> Iterator[tu
         yield (
             _NOTHING,
             f"at step {DISPLACED_AT} neither phi nor y changes them; its gain or its P has become "
-            "0, or it does not use the sample: these cannot be distinguished at that step",
+            "0, or it ignores the sample: these cannot be distinguished at that step",
         )
     for turned, kind, sentence in _rearranged(learning.before):
         if (learning.error_of(turned) < _LEARNED / 2).all():
@@ -291,7 +291,7 @@ def _from_displacements(learning: Learning, influence: Influence) -> Iterator[tu
             "axes mixed",
             f"a displaced {AXES[i]} changes the parameters of {AXES[j]}: each axis has its own "
             "phi[i], y[i], theta[i] and P, (5, 5); one P, one phi or one filter for all three, and "
-            "exchanged rows of y, do this",
+            "exchanged rows of y, cause this",
         )
     columns = np.flatnonzero(learning.never_changed.all(axis=0))
     if 0 < len(columns) < _UNKNOWNS:
@@ -304,7 +304,7 @@ def _from_displacements(learning: Learning, influence: Influence) -> Iterator[tu
 
 
 def _rearranged(theta: Floats) -> Iterator[tuple[Floats, str, str]]:
-    """Yield parameters turned round, with kind and sentence if these are right."""
+    """Yield rearranged parameters, with kind and sentence for the case that these are right."""
     ahead = np.eye(5)[0]
     yield -theta, "wrong sign", "with the opposite sign they are right"
     kind = "wrong parameters"
@@ -327,21 +327,21 @@ def _from_updates(learning: Learning, influence: Influence) -> Iterator[tuple[st
         yield (
             _NOTHING,
             f"it remembers {memory} sample{'s' * (memory != 1)}, but {_UNKNOWNS} parameters need "
-            "more: keep what was learned before (theta and P) and add to it",
+            "more: keep the earlier theta and P and update them",
         )
     with np.errstate(invalid="ignore"):
         left, middle = learning.left, np.median(learning.left)
     if middle < _FITTED:
         yield (
             _NOTHING,
-            "each update fits its own sample exactly, also the last ones, and loses what was "
-            "learned before: P is not reduced, P = P - K phi' P (or it is NLMS with step 1, which "
-            "is the same equation, so that these cannot be told apart)",
+            "each update fits its own sample exactly, also the last ones, and loses all that it "
+            "learned earlier: P is not reduced, P = P - K phi' P (or it is NLMS with step 1, "
+            "the same equation: these cannot be distinguished)",
         )
     if abs(middle - 1) < 1e-3:
         yield (
             _NOTHING,
-            "an update hardly changes the error of its own sample: its gain is too small; P (or "
+            "an update hardly changes the error of its sample: its gain is too small; P (or "
             "the step size) must start large, such as P = 1e6 * np.eye(5), and not shrink without "
             "reason",
         )

@@ -35,7 +35,7 @@ from robsim.teach.doctor.learning import (
 )
 
 _SHORT = 400  # steps
-_QUIET = 0.1  # of the usual disturbances, so that the verdict does not hang on them
+_QUIET = 0.1  # of the usual disturbances, which then hardly matter.
 _WORSE = 3.0  # times the largest error before the rest
 _REPEATED = 6  # samples
 _DIVERGED = 10.0  # prediction error relative to the rms displacement per step
@@ -46,14 +46,13 @@ _RECOVERY = 100  # steps after a rest within which the parameters must be good a
 def check_parameter_estimator(
     make: Callable[[], Any] | str | PathLike[str], *, updates: int = 10_000, budget: float = BUDGET
 ) -> CheckReport:
-    """Check a parameter estimator in several situations and report what is wrong with it.
+    """Check a parameter estimator in several situations and report its problems.
 
-    Its results have to be of the right shape and finite, to depend on its own past samples alone,
-    to predict better than ``2 x(k-1) - x(k-2)``, the robot that goes on as before, and to stay good
-    in a long run and after 1000 steps at rest. Where they do not, poses and inputs are displaced
-    one by one, and the step and the axis of the first change say why: phi and y of different
-    steps, axes that are mixed, samples that are forgotten. Consequences of a problem are not
-    reported.
+    Its results must have the right shape, be finite and depend on its own past samples alone. They
+    must predict better than ``2 x(k-1) - x(k-2)``, a robot of constant speed. They must stay good
+    in a long run and after 1000 steps at rest. Otherwise the check displaces poses and inputs one
+    by one. The step and the axis of the first change then give the reason: phi and y of different
+    steps, mixed axes or forgotten samples. The report leaves out the consequences of a problem.
 
     Parameters
     ----------
@@ -72,7 +71,7 @@ def check_parameter_estimator(
     Returns
     -------
     CheckReport
-        True if all checks pass. In a test, call its ``raise_for_problems()``: that shows every
+        True if all checks pass. In a test, call its ``raise_for_problems()``, which lists every
         problem.
 
     Raises
@@ -82,10 +81,10 @@ def check_parameter_estimator(
 
     Notes
     -----
-    What cannot be told: least squares whose P is never reduced from normalised least mean squares
-    (NLMS) with step 1, which is the same equation; a gain that is too small from a gradient method,
-    which is right, but slow: both get a remark. Windup is looked for in the square matrices that an
-    estimator keeps; where it hides them, only in its parameters.
+    The check cannot distinguish least squares with constant P from normalised least mean squares
+    (NLMS) with step 1, the same equation. Nor can it distinguish a gain that is too small from a
+    gradient method, which is right, but slow; both get a remark. The check looks for windup in the
+    square matrices that an estimator keeps; if it hides them, only in its parameters.
 
     Sources: Goodwin and Sin, Adaptive Filtering, Prediction and Control, 1984, chapter 3
     (projection, least squares, covariance resetting); Astrom and Wittenmark, Adaptive Control,
@@ -142,7 +141,7 @@ def _no_adaptation(alone: Trial) -> Problem | None:
 
 
 def _relative_errors(trial: Trial) -> Floats:
-    """Return the one-step prediction errors relative to the rms displacement, the worst axis."""
+    """Return the one-step prediction errors of the worst axis over the rms displacement."""
     situation = trial.situation
     phi, y = regression(situation.poses, situation.u)
     phi, y = (part[: len(trial.outputs) - 2] for part in (phi, y))
@@ -168,8 +167,8 @@ def _divergence(estimator: EstimatorUnderTest, drive: Situation) -> Problem | No
     found = trial.problem(
         "diverges",
         "its parameters are good at first and diverge later: with forgetting (lambda < 1) in "
-        "P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; add "
-        "P = (P + P.T) / 2 after it. Where that is done, lambda is too small: its memory, "
+        "P = (P - outer(K, phi @ P)) / lambda, rounding errors make P asymmetric and grow; then "
+        "add P = (P + P.T) / 2. If your code has this line, lambda is too small: its memory, "
         "1 / (1 - lambda) samples, must be several times the 5 parameters",
         k,
         line_of_matrix(estimator),
@@ -215,7 +214,7 @@ def _rest_problems(estimator: EstimatorUnderTest, rests: Situation) -> Iterator[
         yield trial.problem(
             "windup",
             f"a long constant input makes its parameters wrong{reason}; with forgetting, P grows "
-            "by 1 / lambda at every sample that brings nothing new, and must not grow without "
+            "by 1 / lambda at every sample without new information, and needs a "
             "bound: limit its trace, or forget only while there is excitation",
             trial.failed_at if has_overflowed else STANDS.stop,
             line_of_matrix(estimator),

@@ -54,8 +54,8 @@ _NO_INPUT = (
     "with inputs predicts better"
 )
 _NO_DT = (
-    "it never uses step.dt: correct only if its model, or its gains, are made for the dt of the "
-    "run; then pass dt=... to this check"
+    "it never uses step.dt: correct only if its model or its gains have a constant dt, the dt of "
+    "the run; then pass dt=... to this check"
 )
 
 
@@ -65,15 +65,15 @@ def check_estimator(
     dt: float | None = None,
     budget: float = BUDGET,
 ) -> CheckReport:
-    """Check a state estimator in several situations and report what is wrong with it.
+    """Check a state estimator in several situations and report its problems.
 
-    It gets the same steps as ``estimate_state`` of `Simulation`, with measurements and empty
-    frames. The checks compare its results (type, symmetry, definiteness) and whether they depend on
-    its own past steps alone. Displaced measurements show its gain, and the step of the first
-    change. Its covariance is compared with the gain, with R and with the errors (NEES), also while
-    the robot is not seen. Other inputs show its prediction: the first step, the turn, the way.
-    A drive in circles shows the heading beyond +-pi. Independent faults are all reported, their
-    consequences are not.
+    The estimator gets the same steps as ``estimate_state`` of `Simulation`, with measurements and
+    empty frames. The checks examine its results (type, symmetry, definiteness) and whether they
+    depend on its own past steps alone. Displaced measurements show its gain, and the step of the
+    first change. The checks compare its covariance with the gain, with R and with the errors
+    (NEES), also while the robot is not seen. Other inputs show its prediction: the first step, the
+    turn, the way. A drive in circles shows the heading beyond +-pi. The report has all independent
+    faults, but not their consequences.
 
     Parameters
     ----------
@@ -82,15 +82,15 @@ def check_estimator(
         example a class with ``__call__``, or a function that defines and returns another. Or a
         file ``estimate_state.py``, or the callback folder that has it.
     dt : float, optional
-        The only time between two steps (s) that it is made for. Default: any; a remark says if it
-        never uses ``step.dt``.
+        The only time between two steps (s) that the estimator supports. Default: any; a remark
+        follows if it never uses ``step.dt``.
     budget : float
         Maximum of the median time per call (s).
 
     Returns
     -------
-    CheckReport
-        True if all checks pass. In a test, call its ``raise_for_problems()``: that shows every
+        True if all checks pass. In a test, call its ``raise_for_problems()``, which lists every
+        problem.
         problem.
 
     Raises
@@ -100,19 +100,22 @@ def check_estimator(
 
     Notes
     -----
-    What cannot be told, since the estimates are the same: a constant in the place of ``step.dt``
-    from speeds and gains that are per step, which gets a remark only; a measurement of the step
-    before from an estimate of the step before; exchanged motors from a heading of wrong sign; a
-    prediction that is done twice from a dt or inputs that are twice as large, and in a filter that
-    estimates its velocity from a larger Q (it takes the velocity for half as large); standard
-    deviations in R from an R for another camera, which gets a remark only, since the doctor does
-    not know the camera. A repeated measurement equals half of R; the doctor knows the R of its
-    measurements, and looks for R among the numbers that the estimator keeps. Inputs that act a step
-    late equal Euler's method; the doctor looks for the speed among these numbers. Filters with Q
-    and R that are 4 times too large or small pass.
+    Some faults cannot be distinguished, because the estimates are the same:
 
-    The mean NEES is 3 for a consistent filter; a problem is above 20, with the noise of the
-    sharpest camera, too. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
+    - A constant instead of ``step.dt`` and speeds and gains per step, which get a remark only.
+    - A measurement of the previous step and an estimate of the previous step.
+    - Exchanged motors and a heading of wrong sign.
+    - A double prediction and twice the dt or inputs; in a filter that estimates its velocity (which
+      it takes for half as large), also a larger Q.
+    - Standard deviations in R and an R for another camera, which gets a remark only.
+
+    A repeated measurement equals half of R; the doctor knows the R of its measurements, and looks
+    for R among the numbers that the estimator keeps. Inputs that act a step late equal Euler's
+    method; the doctor looks for the speed among these numbers. Filters with Q and R that are 4
+    times too large or small pass.
+
+    The mean NEES is 3 for a consistent filter; above 20 it is a problem, also with the sharpest
+    camera's noise. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
     Tracking and Navigation, 2001, 5.2 (gain and covariance of the update), 5.4 (consistency,
     NEES), 6.5 (alpha-beta filters); Simon, Optimal State Estimation, 2006, chapter 5 (forms of the
     update of P).
@@ -199,7 +202,7 @@ def _wrapping_problems(trials: Trials) -> Iterator[Problem]:
     if trial.error is not None:
         yield problem_of(trial)
         return
-    # A filter that lags does so in every curve; one that does not wrap turns the wrong way at +-pi.
+    # A lagging filter lags in every curve; a filter without wrapping turns the wrong way at +-pi.
     angle = distances(trial)[1]
     is_off = angle > 3 * distances(trials.hidden)[1][SETTLED:].max() + 0.3
     is_off[: int(np.argmax(trials.turns.poses[:, 2] < 0))] = False
@@ -218,8 +221,8 @@ def _wrapping_problems(trials: Trials) -> Iterator[Problem]:
 def _unused_remarks(trials: Trials, *, is_free: bool) -> Iterator[str]:
     """Yield a remark if the time between steps or the inputs have no effect.
 
-    A filter whose speeds and gains are per step, such as a line through the last measurements, is
-    right without dt, and gives the same estimates as one with a constant dt.
+    A filter with speeds and gains per step, such as a line through the last measurements, is
+    right without dt. It gives the same estimates as a filter with a constant dt.
     """
     if is_free and trials.is_unchanged(replace(trials.blinks, dt=trials.blinks.dt / 2)):
         yield _NO_DT

@@ -1,4 +1,4 @@
-"""The trials of a state estimator that several of its checks look at."""
+"""The trials of a state estimator that several of its checks use."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ OFFSET = np.array((1.0, -1.0, 0.02))  # px, px, rad: two sigma, no outlier
 _WATCHED = 12  # steps
 _PUSH = 0.1  # V
 _COMPARED = 40  # steps
-_FOUND_AGAIN = 25  # steps with measurements after a gap; in this time a right one is back
+_FOUND_AGAIN = 25  # steps with measurements after a gap; a right filter recovers in this time
 _LOST_BY = (5.0, 0.2)  # px, rad
 _MAXIMUM_ERROR = (100.0, 1.2)  # px, rad: beyond it the estimate has diverged
 
 
 class Trials:
-    """Trials of one estimator at one sample time (s), each run when it is first looked at."""
+    """Trials of one estimator at one sample time (s), each run at its first use."""
 
     def __init__(self, estimator: EstimatorUnderTest, dt: float) -> None:
         self.estimator = estimator
@@ -65,7 +65,7 @@ class Trials:
 
     @cached_property
     def pushed(self) -> Trial:
-        """The gap, in which the left motor has more voltage than the other trial knows of."""
+        """The gap, with more voltage on the left motor than in the other trial."""
         drive = self._gap.pushed(UNSEEN, _PUSH).first(UNSEEN.stop)
         return self.estimator.try_in(drive, self._keep("pushed"))
 
@@ -86,7 +86,7 @@ class Trials:
         return self.weaves.unseen("robot out of sight", UNSEEN)
 
     def _keep(self, name: str) -> Callable[[int, Any], None]:
-        """Return what keeps the numbers of an estimator at the first step with other inputs."""
+        """Return a function that keeps an estimator's numbers at the first step with new inputs."""
 
         def watch(k: int, made: Any) -> None:
             if k == UNSEEN.start + 1:
@@ -115,7 +115,7 @@ class Trials:
 
     @cached_property
     def is_lost_after_gap(self) -> bool:
-        """Whether it is still far off long after it was seen again, but not without the gap."""
+        """Whether the estimate is far off long after a gap, but not without the gap."""
         (gap, gap_angle), (seen, seen_angle) = distances(self.gap), distances(self.seen)
         last = slice(UNSEEN.stop + _FOUND_AGAIN, None)
         is_off = gap[last].min() > _LOST_BY[0] + seen[SETTLED:].max()
@@ -124,7 +124,7 @@ class Trials:
 
     @cached_property
     def way_in_gap(self) -> float:
-        """The length of the estimated way while the robot is not seen, relative to the true one."""
+        """The estimated distance while the robot is not seen, relative to the true distance."""
         steps = slice(UNSEEN.start - 1, UNSEEN.stop)
         lengths = [
             np.hypot(*np.diff(poses[steps, :2], axis=0).T).sum()
@@ -155,5 +155,5 @@ def distances(trial: Trial) -> tuple[Floats, Floats]:
 
 
 def variances(trial: Trial) -> Floats:
-    """Return the variances it gives of x, y and the heading (N, 3)."""
+    """Return the estimator's variances of x, y and the heading (N, 3)."""
     return trial.outputs[:, [3, 7, 11]]

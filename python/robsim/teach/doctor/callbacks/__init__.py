@@ -1,1 +1,1 @@
-"""The checks of the callbacks that are no estimators, and of a whole folder."""
+"""The checks of all callbacks other than estimators, and of a whole folder."""

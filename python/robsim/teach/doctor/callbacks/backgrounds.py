@@ -23,7 +23,7 @@ _PLACES = [(x, y) for x in (150.0, 600.0, 1050.0) for y in (150.0, 600.0, 1050.0
 
 
 def check_background(make: Callable[[], Any] | str | PathLike[str]) -> CheckReport:
-    """Check ``adjust_background``, what lies on the floor, and report what is wrong with it.
+    """Check ``adjust_background``, the image of the floor, and report its problems.
 
     Parameters
     ----------

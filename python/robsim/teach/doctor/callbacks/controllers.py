@@ -36,7 +36,7 @@ from robsim.teach.doctor.callbacks.scenes import (
 from robsim.teach.doctor.callbacks.single_calls import under_test
 from robsim.teach.doctor.callbacks.steering import steering_findings
 
-MAXIMUM_VOLTAGE = 24.0  # V: no small robot has a battery of more
+MAXIMUM_VOLTAGE = 24.0  # V: no small robot has a larger battery voltage
 _LONG = 800  # steps
 _STARTS = {  # px, px, rad
     "robot starts at the top left, facing left": (150.0, 200.0, 3.1),
@@ -56,13 +56,12 @@ def check_controller(
     has_parameters: bool = True,
     budget: float = BUDGET,
 ) -> CheckReport:
-    """Check a controller in several situations and report what is wrong with it.
+    """Check a controller in several situations and report its problems.
 
-    It drives the default robot in a simulated world, where its pose is measured: from several
+    The controller drives the default robot in a simulated world with a measured pose: from several
     places and headings, at the wall, for a long time, hidden now and then and not seen at first.
-    What it aims at is not known to the check. Where all its steering points to one place, the check
-    says so, and whether it turns and drives there or away from it; otherwise a remark says that
-    this cannot be told.
+    The check does not know the goal. If all its steering points to one place, the check reports
+    the place and whether the controller drives there or away; otherwise a remark follows.
 
     Parameters
     ----------
@@ -78,7 +77,7 @@ def check_controller(
     Returns
     -------
     CheckReport
-        True if all checks pass. In a test, call its ``raise_for_problems()``: that shows every
+        True if all checks pass. In a test, call its ``raise_for_problems()``, which lists every
         problem.
 
     Raises
@@ -110,7 +109,7 @@ def controller_report(
     has_parameters: bool,
     budget: float = BUDGET,
 ) -> CheckReport:
-    """Check a controller in a setting; the other arguments are those of `check_controller`."""
+    """Check a controller in a setting; `check_controller` documents the other arguments."""
     simulated = partial(_simulate, has_estimate=has_estimate, has_parameters=has_parameters)
     slot = under_test(RobotSlots.control, "controller", read_input, simulated)
     return run_checks(make, slot, budget, partial(_checks, setting=setting))
@@ -132,7 +131,7 @@ def read_input(result: Any, before: Floats | None) -> Floats:
     if result is None:
         raise BadResult(
             "no input",
-            "it returns None, not the two voltages: every way through it must end with "
+            "it returns None, not the two voltages: every path through it must end with "
             "return u1, u2",
         )
     if isinstance(result, Iterable) and any(isinstance(u, (str, bytes)) for u in result):
@@ -152,7 +151,7 @@ def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Proble
     trials = [usual, *(controller.try_in(scene) for scene in _short_scenes(setting))]
     yield from _distinct(_fault(trial) for trial in trials)
     yield Done("drives from several places")
-    # What a controller does again says something only if it does it again.
+    # A repeatable result is a condition of the next checks.
     other = setting.driven("robot starts elsewhere", next(iter(_STARTS.values())), 60)
     cause = replay_problem(usual)
     if usual.error is not None:
@@ -164,7 +163,7 @@ def _checks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Proble
     yield Done("the same steps again, two at the same time")
     yield from _remarks(usual)
     if all(_is_same(usual, trial) for trial in trials[1:]):
-        yield "it is open loop: its voltages are the same wherever the robot is, seen or not"
+        yield "it is open loop: its voltages do not depend on the robot's pose or visibility"
     else:
         yield from steering_findings(usual, setting)
     yield Done("steering")
@@ -219,7 +218,7 @@ def _remarks(usual: Trial) -> Iterator[str]:
     if not usual.outputs.any():
         yield "it never drives: its voltages are (0, 0)"
     turn = np.diff(usual.outputs[-_LAST:, 0] - usual.outputs[-_LAST:, 1])
-    # Each step turns it back by what the one before has turned it.
+    # Each step reverses the turn of the previous step.
     alternates = (turn[1:] * turn[:-1] < 0) & (
         np.minimum(abs(turn[1:]), abs(turn[:-1])) > _CHATTERING
     )

@@ -47,12 +47,12 @@ class FolderReport(CheckReport):
     name : str
         The file or the folder.
     checks : dict of str to CheckReport or str
-        By slot: the report on its file, or ``"default"`` or ``"off"`` where nothing of yours runs,
-        or ``"not used"`` where the task does not ask for it.
+        By slot: the report on its file; ``"default"`` or ``"off"`` if no callback of yours runs;
+        or ``"not used"`` if the task does not use the slot.
     problems : tuple of Problem
-        Those of all files.
+        The problems of all files.
     remarks : tuple of str
-        Those of all files, and of the folder.
+        The remarks of all files and of the folder.
     """
 
     checks: Mapping[str, CheckReport | str] = field(default_factory=dict)
@@ -65,14 +65,14 @@ class FolderReport(CheckReport):
         if not checked:
             return f"{self.name}: no callback is switched on"
         if len(checked) == 1:
-            return f"{self.name}: the callback {'is ill' if ill else 'passed all checks'}"
+            return f"{self.name}: the callback {'fails' if ill else 'passed all checks'}"
         if not ill:
             return f"{self.name}: all {len(checked)} callbacks passed all checks"
-        return f"{self.name}: {ill} of {len(checked)} callbacks {'is' if ill == 1 else 'are'} ill"
+        return f"{self.name}: {ill} of {len(checked)} callbacks {'fails' if ill == 1 else 'fail'}"
 
     @property
     def verdicts(self) -> dict[str, str]:
-        """By slot: ``"well"``, ``"ill"``, ``"remark"``, or what stands in `checks`."""
+        """By slot: ``"well"``, ``"ill"``, ``"remark"``, or the entry of `checks`."""
         return {slot: _verdict(check) for slot, check in self.checks.items()}
 
 
@@ -89,17 +89,17 @@ class Surroundings:
     setting: Setting = field(default_factory=Setting.usual)
     slots: tuple[str, ...] = tuple(SLOTS)  # that the folder may fill
     on: frozenset[str] | None = None  # the slots that are filled; None = as the folder has it
-    given: Mapping[str, bytes] = field(default_factory=dict)  # modules that come before its own
+    given: Mapping[str, bytes] = field(default_factory=dict)  # modules that hide its own
     dt: float | None = None  # s; None = any
     notebook: str = ""  # its name, where the files run one
-    masked: tuple[str, ...] = ()  # names that no advice may have
+    masked: tuple[str, ...] = ()  # names that advice must not have
 
     def name_of(self, slot: str) -> str:
         """Return the name of the code for a slot."""
         return f"{slot} of {self.notebook}" if self.notebook else f"{slot}.py"
 
     def allowed(self, text: str) -> str:
-        """Return a text without advice, behind a semicolon, that has a masked name."""
+        """Return a text without its advice (after a semicolon) if that has a masked name."""
         first, *others = text.split("; ")
         meant = (f"did you mean '{mask.rpartition('.')[2]}'" for mask in self.masked)
         names = (*self.masked, *meant)
@@ -113,7 +113,7 @@ class Surroundings:
 def report_of(
     path: str | PathLike[str], slots: str | Iterable[str] | None, around: Surroundings
 ) -> FolderReport:
-    """Return the report on a folder or a file; other arguments are those of `check_folder`."""
+    """Return the report on a folder or a file; `check_folder` documents the other arguments."""
     file = as_path(path)
     if is_notebook(file, around.slots):
         notebook = read_notebook(file, around.slots)
@@ -127,7 +127,7 @@ def report_of(
     if is_file:
         wanted = (_slot_of(file, wanted),)
     elif not file.exists() and file.suffix == ".py":
-        raise FileNotFoundError(f"no file {file}")
+        raise FileNotFoundError(f"file {file} is missing")
     folder = _Folder(file.parent if is_file else file, around, is_alone=is_file)
     checks = {slot: folder.check(slot) for slot in SLOTS if slot in wanted}
     reports = {slot: one for slot, one in checks.items() if isinstance(one, CheckReport)}
@@ -160,7 +160,7 @@ def report_of(
 
 
 def _slot_of(file: Path, wanted: tuple[str, ...]) -> str:
-    """Return the slot that a file is named after; raises ValueError."""
+    """Return the slot of a file by its name; raise ValueError if no slot has the name."""
     if file.suffix != ".py" or file.stem not in SLOTS:
         names = [f"{slot}.py" for slot in SLOTS]
         raise ValueError(
@@ -184,7 +184,7 @@ class _Folder:
         self.remarks: dict[str, None] = {}  # in their order, each once
 
     def _check(self, slot: str) -> CheckReport | str:
-        """Return the report on the file of a slot, or what runs in its place."""
+        """Return the report on the file of a slot, or the name of its replacement."""
         report = self._report(slot)
         if isinstance(report, CheckReport):
             telling.get()(f"{report.name}: {_verdict(report)}")
@@ -231,7 +231,7 @@ class _Folder:
         )
 
     def _load_first(self, slot: str) -> CallbackFolder | Problem | bool:
-        """Return the loaded file of a slot, why it fails, or whether the default is on."""
+        """Return the loaded file of a slot, its problem, or whether the default is on."""
         if slot not in self._files or slot not in self._around.slots:
             return False
         folder = CallbackFolder(self._path, (slot,), self._around.given)
@@ -247,13 +247,13 @@ class _Folder:
         return callback if isinstance(callback, bool) else folder
 
     def _is_on(self, *slots: str) -> bool:
-        """Return whether one of the stages is on; a file alone is not judged by others."""
+        """Return whether one of the stages is on; always for a file alone."""
         if (on := self._around.on) is not None:
             return not on.isdisjoint(slots)
         return self._is_alone or any(self._load(slot) is not False for slot in slots)
 
     def _own(self, slot: str) -> Maker | None:
-        """Return what makes the folder's own callback; None = the default."""
+        """Return the maker of the folder's own callback; None = the default."""
         loaded = self._load(slot)
         if not isinstance(loaded, CallbackFolder):
             return None
@@ -305,7 +305,7 @@ def check_slot(
 
 
 def _with_own_estimator(callbacks: Mapping[str, Any]) -> Callable[[Step], Any]:
-    """Return an estimate_parameters whose steps have its own estimator, if there is one."""
+    """Return an estimate_parameters whose steps have the folder's own estimator, if any."""
     callback: Callable[..., Any] = callbacks[RobotSlots.estimate_parameters.name]
     make = callbacks.get(RobotSlots.init_parameter_estimator.name)
     if not callable(make):
@@ -320,7 +320,7 @@ def _with_own_estimator(callbacks: Mapping[str, Any]) -> Callable[[Step], Any]:
 
 
 class _StepWithEstimator:
-    """A step whose estimator is another one."""
+    """A step with another estimator."""
 
     def __init__(self, step: Step, estimator: object) -> None:
         self._step = step

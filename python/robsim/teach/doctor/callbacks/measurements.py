@@ -54,7 +54,7 @@ _MOSTLY_SEEN = 0.95
 _IMPRECISE = (3.0, 1.0)  # times the error of robsim's own, px: worth a remark
 
 Background = Callable[[Pixels], Pixels]
-OwnPoses = dict[Situation, list[Floats]]  # by scene: (3,), NaN where it does not see the robot
+OwnPoses = dict[Situation, list[Floats]]  # by scene: (3,), NaN = robsim does not see the robot
 
 
 def check_measurement(
@@ -64,14 +64,13 @@ def check_measurement(
     background: Callable[[Pixels], Pixels] | None = None,
     budget: float = DT,
 ) -> CheckReport:
-    """Check a measurement of the pose in frames of a simulated camera, and report what is wrong.
+    """Check a measurement of the pose in frames of a simulated camera, and report its problems.
 
-    The robot is turned in the middle and in the corners, drives through the area, is hidden, and is
-    not there at all; with camera noise, with a red square on the floor, and before a camera that
-    has fewer pixels than the work area. The report has a table of the errors beside those of
-    robsim's own measurement in the same frames; and one of the covariances, if the measurements
-    have any: their mean NEES before a noisy camera, where 3 is expected, and the verdict
-    ``"optimistic"``, ``"consistent"`` or ``"conservative"``.
+    The robot turns in the middle and in the corners, drives through the area, is hidden, and is
+    absent. Some frames have camera noise, a red square on the floor, or fewer pixels than the work
+    area. The report has a table of the errors next to robsim's own measurement in the same frames.
+    If the measurements have covariances, a second table has their mean NEES with camera noise
+    (expected: 3), and the verdict ``"optimistic"``, ``"consistent"`` or ``"conservative"``.
 
     Parameters
     ----------
@@ -90,7 +89,7 @@ def check_measurement(
     -------
     CheckReport
         True if all checks pass; `tables` has the errors. In a test, call its
-        ``raise_for_problems()``: that shows every problem.
+        ``raise_for_problems()``, which lists every problem.
 
     Raises
     ------
@@ -116,7 +115,7 @@ def measurement_report(
     background: Background | None,
     budget: float = DT,
 ) -> CheckReport:
-    """Check a measurement in a setting; the other arguments are those of `check_measurement`."""
+    """Check a measurement in a setting; `check_measurement` documents the other arguments."""
     own: OwnPoses = {}
     slot = under_test(
         RobotSlots.measure, "measurement", read_pose, partial(_simulate_beside, own=own)
@@ -140,7 +139,7 @@ def _simulate_beside(scene: Any, callback: Callable[[Step], Any], own: OwnPoses)
 
 
 def read_pose(result: Any, before: Floats | None) -> Floats:
-    """Return the pose that a measurement returned, NaN where it returned None."""
+    """Return the pose of a measurement's result; NaN = None."""
     if result is None:
         return np.full(3, np.nan)
     if isinstance(result, Measurement):
@@ -246,7 +245,7 @@ def _not_seen(trials: list[Trial], share: float) -> Problem | str:
     missed = [int(np.isnan(trial.outputs[:, 0]).sum()) for trial in trials]
     most = trials[int(np.argmax(missed))]
     sentence = (
-        f"it returns None in {1 - share:.0%} of the clean frames in which the robot is: "
+        f"it returns None in {1 - share:.0%} of the clean frames that show the robot: "
         f"in {max(missed)} of {len(most.outputs)} where the {most.situation.name}"
     )
     if share >= _SEEN:
@@ -288,12 +287,12 @@ def _hidden_problem(trial: Trial, scene: Any) -> Problem | None:
         problem = problem_of(trial)
         if not scene.is_hidden[trial.failed_at]:
             return problem
-        # Not what the controller is told: no measurement is missing, this is it.
+        # The message for controllers is wrong here: a measurement returned this.
         sentence = problem.sentence.partition(": then ")[2] or problem.sentence
         return replace(
             problem,
             kind="fails unseen",
-            sentence=f"where the robot is not in the frame {sentence}; it has to return None there",
+            sentence=f"where the robot is not in the frame {sentence}; return None there",
         )
     is_invented = np.isfinite(trial.outputs[:, 0]) & np.array(scene.is_hidden)
     if not is_invented.any():
@@ -305,7 +304,7 @@ def _hidden_problem(trial: Trial, scene: Any) -> Problem | None:
     if is_last:
         sentence = "it returns the last pose again where the robot is not in the frame"
     return trial.problem(
-        kind="last pose" if is_last else "sees what is not there",
+        kind="last pose" if is_last else "false detection",
         sentence=f"{sentence}: return None there; the state estimator bridges the gap",
         k=k,
     )
@@ -331,7 +330,7 @@ def _square_problems(trial: Trial) -> Iterator[Problem | str]:
         yield trial.problem(
             "red square",
             "it takes the red square on the default floor for the red marker: of all pairs of "
-            "blobs, take the one whose distance is step.markers.distance",
+            "blobs, take the pair at the distance step.markers.distance",
             int(is_false.argmax()),
         )
 
@@ -398,6 +397,6 @@ def _precision(tour: list[Trial], own_poses: OwnPoses) -> Iterator[str]:
     factor, least = _IMPRECISE
     if np.isfinite(distance) and least + factor * own < distance:
         yield (
-            f"its position has an error of {distance:.1f} px, root mean square, in clean frames, "
-            f"that of robsim's own measurement one of {own:.2f} px"
+            f"its position has an error of {distance:.1f} px, root mean square, in clean frames; "
+            f"robsim's own measurement has {own:.2f} px"
         )

@@ -22,7 +22,7 @@ from robsim.teach.doctor.callbacks.single_calls import CallbackCalls, check_call
 
 _STEPS = 100  # until the speed is steady
 _SPEEDS = (1.0, 1000.0)  # px/s with 1 V, between which a robot of this size is plausible
-_TURNS = (math.radians(1), math.radians(2000))  # rad/s with 1 V and -1 V
+_TURNS = (math.radians(1), math.radians(2000))  # rad/s with 1 V and -1 V.
 _FAST = 100.0  # px in a step, from rest with 1 V
 
 _INPUTS = {  # V
@@ -34,7 +34,7 @@ _HEADINGS = (0.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi + 1e-9, 0.7)
 
 
 def check_model(make: Callable[[], Any] | str | PathLike[str]) -> CheckReport:
-    """Check what ``define_model`` returns, and report what is wrong with it.
+    """Check the result of ``define_model`` and report its problems.
 
     Parameters
     ----------
@@ -60,8 +60,8 @@ def _model_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     if not np.array_equal(model.theta, calls.call("a second run").theta):
         yield calls.problem(
             "not reproducible",
-            "a second call returns another model; random parameters of the world are "
-            "robsim.Simulation(mismatch=...), and repeat with the seed",
+            "a second call returns another model; use robsim.Simulation(mismatch=...) for random "
+            "parameters of the world, which repeat with the seed",
         )
     yield from _motion_problems(
         calls, lambda world: model.predict(world.pose_1, world.pose_2, world.last_u), model
@@ -98,7 +98,7 @@ def _steady(model: RobotModel, u: tuple[float, float]) -> tuple[float, float]:
 def check_motion(
     make: Callable[[], Any] | str | PathLike[str], *, budget: float = BUDGET
 ) -> CheckReport:
-    """Check ``evaluate_model``, the motion of the simulated robot, and report what is wrong.
+    """Check ``evaluate_model``, the motion of the simulated robot, and report its problems.
 
     Parameters
     ----------
@@ -128,8 +128,8 @@ def _pose_checks(calls: CallbackCalls) -> Iterator[Problem | str]:
     again = [[np.array(calls.call(n, w), float) for n, w in _worlds(model)] for _ in range(2)]
     if not np.array_equal(again[0], again[1]):
         yield (
-            "the same motion gives another pose each time; a disturbance that repeats with the "
-            "seed of a run is robsim.Simulation(process_noise=...)"
+            "the same motion gives another pose each time; use "
+            "robsim.Simulation(process_noise=...) for a disturbance that repeats with the seed"
         )
         return
     yield from _motion_problems(calls, lambda world: calls.call("", world), model)
@@ -161,7 +161,7 @@ def _motion_problems(
         for heading in _HEADINGS:
             rest = np.array(move(_world(model, heading, (0.0, 0.0))), dtype=float)
             pose = np.array(move(_world(model, heading, u)), dtype=float)
-            way = pose - rest  # what the voltages change
+            way = pose - rest  # the effect of the voltages
             ahead.append(way[0] * math.cos(heading) + way[1] * math.sin(heading))
             turns.append(wrap_angle(way[2]))
         moved[name] = (np.array(ahead), np.array(turns))

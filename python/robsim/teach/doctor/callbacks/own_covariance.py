@@ -1,4 +1,4 @@
-"""Whether the covariances that a measurement gives are as large as its errors."""
+"""Check whether the covariances of a measurement fit its errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _WRONG = 4.0  # the same, where a filter would follow its measurements to wrong 
 _LARGE = 0.1  # mean squared error of a coordinate over its variance: 1 is expected, of 30 +- 0.26
 
 _ADVICE = (
-    "give the covariance that belongs to the pose, in px^2 and rad^2; robsim.locate(step.blobs, "
+    "give the covariance of the pose, in px^2 and rad^2; robsim.locate(step.blobs, "
     "step.markers, image=step.frame) computes one"
 )
 
@@ -33,9 +33,9 @@ def covariance_findings(trial: Trial) -> Iterator[Problem | str | Table]:
     given = seen & np.isfinite(covariances).all(axis=(1, 2))
     if seen.any() and not given.any():
         yield (
-            "its measurements have no covariance, so nobody can tell how sure they are, and state "
-            "estimators must assume it: robsim.Measurement(pose, covariance=...); or return what "
-            "robsim.locate(step.blobs, step.markers, image=step.frame) gives"
+            "its measurements have no covariance, so their precision is unknown, and state "
+            "estimators must assume one: robsim.Measurement(pose, covariance=...); or return the "
+            "result of robsim.locate(step.blobs, step.markers, image=step.frame)"
         )
     if not given.any():
         return
@@ -58,14 +58,14 @@ def covariance_findings(trial: Trial) -> Iterator[Problem | str | Table]:
     if mean < 3 * _USUAL[0]:
         verdict = "conservative"
         yield (
-            f"its covariances are conservative: the errors are {times:.2g} times as large as they "
-            "say, so a filter makes too little of the measurements"
+            f"its covariances are conservative: the errors are {times:.2g} times as large as "
+            "claimed, so a filter makes too little of the measurements"
         )
     elif mean > 3 * _USUAL[1]:
         verdict = "optimistic"
         sentence = (
-            f"its covariances are optimistic, too sure: before a noisy camera the errors are "
-            f"{times:.2g} times as large as they say, so a filter follows noise"
+            f"its covariances are optimistic, too sure: with camera noise the errors are "
+            f"{times:.2g} times as large as claimed, so a filter follows noise"
         )
         is_wrong = mean > 3 * _WRONG
         yield trial.problem(verdict, f"{sentence}; {_ADVICE}") if is_wrong else sentence
@@ -89,5 +89,5 @@ def _large_variances(errors: Floats, covariances: Floats) -> Iterator[str]:
         if ratio < _LARGE:
             yield (
                 f"its standard deviation of {name} is {1 / math.sqrt(max(ratio, 1e-12)):.2g} times "
-                "the errors, so a filter makes too little of that: variances are in px^2 and rad^2"
+                "the errors, so a filter makes too little of it: variances are in px^2 and rad^2"
             )

@@ -1,4 +1,4 @@
-"""What a wrong formula makes of a pose: the mistakes that a measurement shows by its results."""
+"""The wrong formulas of a pose that a measurement's results reveal."""
 
 from __future__ import annotations
 
@@ -62,14 +62,13 @@ def _positions(
     for role in markers.roles:
         yield (
             "position of a marker",
-            f"its position is that of the {role} marker ({markers.colors[role]}), not that of the "
-            "robot's centre",
+            f"its position is the {role} marker ({markers.colors[role]}), not the robot's centre",
             _beside(true, *markers.positions[role]),
         )
     yield (
         "offset reversed",
-        "its position is off by twice step.markers.offset: that points from the midpoint of the "
-        "markers forward, along the heading",
+        "its position is off by twice step.markers.offset: the offset points from the midpoint of "
+        "the markers forward, along the heading",
         _beside(true, -2 * offset),
     )
     yield (
@@ -103,11 +102,11 @@ _HEADINGS = (
      "its heading is off by 180 degrees: the two markers are exchanged, or the vector between them "
      "is reversed"),
     (1, 90, "heading turned",
-     "its heading is off by 90 degrees to the right: take the direction in which the robot looks, "
-     "at right angles to the line between its markers"),
+      "its heading is off by 90 degrees to the right: take the robot's forward direction, "
+      "at right angles to the line between its markers"),
     (1, -90, "heading turned",
-     "its heading is off by 90 degrees to the left: take the direction in which the robot looks, "
-     "at right angles to the line between its markers"),
+      "its heading is off by 90 degrees to the left: take the robot's forward direction, "
+      "at right angles to the line between its markers"),
     (-1, 0, "heading anticlockwise",
      "its heading has the wrong sign: y points down, and headings are clockwise on the image"),
     (-1, 90, "swapped arguments",
@@ -120,7 +119,7 @@ _HEADINGS = (
 )  # fmt: skip
 _IN_DEGREES = (
     "heading in degrees",
-    "its heading is in degrees: it must be in rad, as arctan2 gives it; see numpy.radians",
+    "its heading is in degrees: return rad, as from arctan2; see numpy.radians",
 )
 
 
@@ -140,7 +139,7 @@ def _heading_mistake(measured: Floats, true: Floats) -> Iterator[tuple[str, str]
 
 
 def _half_turns(difference: Floats) -> Iterator[tuple[str, str]]:
-    """Yield whether some headings are off by 180 degrees, and all others are right."""
+    """Yield a mistake if some headings are off by 180 degrees and all others are right."""
     # Twice the angle: half a turn becomes none.
     if np.mean(abs(wrap_angle(2 * difference)) < 2 * _CLOSE[1]) >= _FITS:
         share = np.mean(abs(wrap_angle(difference)) > _FALSE_ANGLE)

@@ -1,4 +1,4 @@
-"""Simulated worlds, with frames, that the doctor tries controllers and measurements in."""
+"""Simulated worlds with frames, in which the doctor tries controllers and measurements."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ _CLEAN = np.diag((1.3e-4, 1.3e-4, 3e-7))  # px^2, px^2, rad^2: of a frame withou
 class Scene(Situation):
     """A robot in a simulated world with a camera.
 
-    It is hidden where its measurement is None. The poses are those of the robot, or where it
-    starts.
+    A measurement of None hides the robot. The poses belong to the robot; of a driven robot, only
+    the start.
     """
 
     is_driven: bool = False  # whether the inputs move the robot
@@ -63,7 +63,7 @@ class Setting:
 
     @classmethod
     def usual(cls) -> Setting:
-        """Return that of the robot that the user has chosen, with a frame pixel for each px."""
+        """Return the setting of the robot that the user has chosen, one frame pixel per px."""
         return cls(robot=default_robot())
 
     @classmethod
@@ -77,7 +77,7 @@ class Setting:
         return float(x), float(y)
 
     def places(self, places: Floats) -> Floats:
-        """Return where places of `AREA`, (2,) or (N, 2), lie here."""
+        """Return places of `AREA`, (2,) or (N, 2), in this work area."""
         return np.asarray(places * self.area / AREA)
 
     def driven(
@@ -99,7 +99,7 @@ class Setting:
     def scripted(
         self, name: str, poses: ArrayLike, *, hidden: Collection[int] = (), **options: Any
     ) -> Scene:
-        """Return a scene in which the robot stands at given poses, whatever the inputs are."""
+        """Return a scene in which the robot stands at given poses, independent of the inputs."""
         path = np.array(poses, dtype=float)
         path[:, 2] = [wrap_angle(heading) for heading in path[:, 2]]
         return Scene(
@@ -168,7 +168,7 @@ def simulate(
 
 
 class LastPose:
-    """A state estimator to go with a controller under test: the last measured pose."""
+    """A state estimator for the test of a controller: the last measured pose."""
 
     def __init__(self) -> None:
         self._pose: Floats = np.array(CENTRE)

@@ -1,4 +1,4 @@
-"""Single calls of callbacks that no run is needed for, and the report on them."""
+"""Single calls of callbacks that need no run, and the report on them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def under_test(
 def _entry(slot: Slot[Any], callback: Any) -> Callable[..., Any]:
     """Return a callback; raises BadResult if its slot would refuse it."""
     try:
-        if not callable(callback):  # None would mean the default
+        if not callable(callback):  # also for None, which means the default elsewhere
             raise TypeError(f"{slot.name} must be callable, got {quoted(callback)}")
         check_callback(slot.name, callback)
     except TypeError as error:
@@ -42,7 +42,7 @@ def _entry(slot: Slot[Any], callback: Any) -> Callable[..., Any]:
 
 
 class Failed(Exception):
-    """A callback has failed; `problem` says how."""
+    """A callback has failed with `problem`."""
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem.sentence)
@@ -50,7 +50,7 @@ class Failed(Exception):
 
 
 class CallbackCalls:
-    """Calls of a callback, each of a fresh one."""
+    """Calls of fresh callbacks from one maker."""
 
     def __init__(self, callback: EstimatorUnderTest) -> None:
         self._callback = callback

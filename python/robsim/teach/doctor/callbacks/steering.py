@@ -1,4 +1,4 @@
-"""Which way a controller steers, from several places and headings, and what that tells of it."""
+"""The direction in which a controller steers, from several places and headings."""
 
 from __future__ import annotations
 
@@ -30,17 +30,15 @@ _PARALLEL = math.radians(10)
 _KICK = 0.1  # V
 _COMES_NEAR = 100.0  # px
 
-_CANNOT_BE_TOLD = (
-    "whether it steers the right way cannot be told: its steering points to no single place"
-)
+_CANNOT_BE_TOLD = "its steering points to no single place, so the check cannot verify its direction"
 
 _LONG_WAY = (
-    "where its heading is beyond +-pi from the one that it aims at, it turns the long way round: "
-    "for a line or a path that may be meant; else wrap the heading error, "
+    "where its heading is beyond +-pi from its aim, it turns the long way round: "
+    "for a line or a path this may be intended; else wrap the heading error, "
     "robsim.wrap_angle(wanted - heading)"
 )
 
-# What a wrong formula makes of a direction, undone; the sentence says what is wrong.
+# The inverse of a wrong formula for a direction, its kind, and the sentence on the mistake.
 MISTAKES: tuple[tuple[Callable[[float], float], str, str], ...] = (
     (
         lambda direction: -direction,
@@ -59,7 +57,7 @@ MISTAKES: tuple[tuple[Callable[[float], float], str, str], ...] = (
 
 @dataclass(frozen=True)
 class _Steering:
-    """Where a controller turns a robot that stands at a place, by its heading."""
+    """The turns of a robot that stands at a place, by its heading."""
 
     place: Floats  # x, y (px)
     aims: list[tuple[float, float]]  # the headings to which it turns from both sides, u1 + u2 there
@@ -67,7 +65,7 @@ class _Steering:
 
     @property
     def direction(self) -> float | None:
-        """Where it drives to, forwards if it can; None = to no single direction."""
+        """The direction in which the robot drives, forwards if possible; None = not unique."""
         ways = {drive < 0: wrap_angle(h + math.pi * (drive < 0)) for h, drive in self.aims}
         if not self.aims or len(self.aims) != len(ways):
             return None
@@ -75,7 +73,7 @@ class _Steering:
 
 
 def steering_findings(usual: Trial, setting: Setting) -> Iterator[Problem | str]:
-    """Yield faults of a controller's turns, and doubts, from `usual`, a long trial of it."""
+    """Yield faults of a controller's turns, and doubts; `usual` is a long trial."""
     controller = usual.estimator
     try:
         steerings = [_steering_at(controller, place, setting) for place in _PLACES]
@@ -127,10 +125,10 @@ def _standing(place: Place | Floats) -> str:
 
 
 def _not_wrapped(controller: EstimatorUnderTest, steerings: list[_Steering]) -> Problem | None:
-    """Return whether the robot turns the long way round where its heading jumps.
+    """Return a problem if the robot turns the long way round where its heading jumps.
 
-    With one aim, the heading from which it turns to both sides is opposite to it; without wrapping
-    it is +-pi, wherever the aim is.
+    With one aim, the robot turns to both sides from the opposite heading; without wrapping,
+    from +-pi, for any aim.
     """
     telling = [one for one in steerings if len(one.aims) == 1 and abs(one.aims[0][0]) > _NEAR]
     at_the_jump = np.pi - np.pi / _HEADINGS
@@ -155,7 +153,7 @@ def _not_wrapped(controller: EstimatorUnderTest, steerings: list[_Steering]) -> 
 
 
 def _kicks(controller: EstimatorUnderTest, setting: Setting) -> Iterator[Problem]:
-    """Yield whether the voltages jump for a step when a robot that is turned crosses +-pi."""
+    """Yield a problem if the voltages jump for a step when a turned robot crosses +-pi."""
     headings = np.radians(np.arange(24) * 5.0 + 122.5)
     crossing, kicks = 12, []  # the first step beyond +-pi, either way round
     for place, way in product(_PLACES[:3], (1, -1)):
@@ -217,7 +215,7 @@ def _wrong_way(
         met = _meeting_point(places, np.array([undone(direction) for direction in directions]))
         if met is not None:
             x, y = met[0]
-            return kind, f"{sentence}; it seems to mean the point ({x:.0f}, {y:.0f})"
+            return kind, f"{sentence}; its goal seems to be the point ({x:.0f}, {y:.0f})"
     return None
 
 
@@ -227,7 +225,7 @@ def _known(steerings: list[_Steering]) -> tuple[Floats, list[float]]:
 
 
 def _has_goal(steerings: list[_Steering]) -> bool:
-    """Return whether it steers to one place, be it by a wrong formula, or to one heading."""
+    """Return whether it steers to one place, even by a wrong formula, or to one heading."""
     places, directions = _known(steerings)
     if directions and np.ptp(wrap_angle(np.array(directions) - directions[0])) < _PARALLEL:
         return True
@@ -239,7 +237,7 @@ def _has_goal(steerings: list[_Steering]) -> bool:
 
 
 def _meeting_point(places: Floats, directions: Floats) -> tuple[Floats, int] | None:
-    """Return where lines meet, and whether the directions lead to it (1) or away from it (-1)."""
+    """Return the point where lines meet; 1 = the directions lead to it, -1 = away from it."""
     d = np.column_stack((np.cos(directions), np.sin(directions)))
     # the projection onto the normal of each line, N = I - d d'; least squares of N (goal - place)
     N = np.eye(2) - d[:, :, None] * d[:, None, :]

@@ -1,1 +1,1 @@
-"""Checks of what is to solve a task: its trial, and what the worst run shows."""
+"""Checks of a solution of a task: its trial, and its worst run."""

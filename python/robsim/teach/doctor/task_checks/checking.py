@@ -1,4 +1,4 @@
-"""The check of callback files for a task: their trial, what that shows, and the usual checks."""
+"""The check of callback files for a task: their trial, its findings, and the usual checks."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ _LOOKS = {
     RobotSlots.estimate_state.name: state_findings,
     RobotSlots.estimate_parameters.name: parameter_findings,
 }
-#: Kinds of problems of which no run goes wrong.
+#: Kinds of problems that spoil no run.
 _NO_CAUSE = {"prints", "too slow"}
 
 
 def check_for_task(
     path: str | PathLike[str], slots: str | Iterable[str] | None, task: str | Task
 ) -> TaskReport:
-    """Check callback files for a task; the arguments are those of `check_folder`."""
+    """Check callback files for a task; `check_folder` documents the arguments."""
     if not isinstance(task, (str, Task)):
         raise TypeError(f"task must be a Task, or its name, got {quoted(task)}")
     chosen = named_task(task) if isinstance(task, str) else task
@@ -79,14 +79,14 @@ def _surroundings(task: Task) -> Surroundings:
 
 def _trial(task: Task, path: str | PathLike[str]) -> TaskTrial:
     with redirect_stdout(StdoutCapture()), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the usual checks tell of them
+        warnings.simplefilter("ignore")  # the usual checks report them
         return try_solution(task, path, time_limit=TIME_LIMIT, progress=False)
 
 
 def _findings(trial: TaskTrial, solution: Solution, *, is_known: bool) -> Iterator[Problem]:
-    """Yield what the runs show, where points are missing.
+    """Yield the findings of the runs if points are missing.
 
-    Where the checks of the files have found a cause, what the worst run shows comes of it.
+    A cause that the checks of the files have found explains the worst run.
     """
     if trial.is_solved:
         return
@@ -107,12 +107,12 @@ def _findings(trial: TaskTrial, solution: Solution, *, is_known: bool) -> Iterat
 
 
 def _remarks(report: FolderReport, task: Task, solution: Solution) -> Iterator[str]:
-    """Yield what the task does not ask for, or not allow where it is graded."""
+    """Yield the files that the task does not use, and the slots that are off."""
     unused = [f"{slot}.py" for slot, verdict in report.verdicts.items() if verdict == "not used"]
     if unused:
         asked = ", ".join(f"{slot}.py" for slot in task.slots)
         is_are = "is" if len(unused) == 1 else "are"
-        yield f"{', '.join(unused)} {is_are} not used: the task {task.name} asks for {asked}"
+        yield f"{', '.join(unused)} {is_are} not used: the task {task.name} uses {asked}"
     for slot in task.slots:
         if slot in solution.files and isinstance(report.checks.get(slot), str):
             yield f"{slot}.py is switched off: set ENABLED = True in it"

@@ -1,4 +1,4 @@
-"""What the worst drive of a controller shows: where it goes wrong on the way to its goal."""
+"""Faults in the worst drive of a controller on the way to its goal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SLOT = RobotSlots.control.name
 _OWN = "robsim_own_control"  # the module of the controller
 _RUNS = 3
 _ARRIVES = 40.0  # px, from the goal
-_HEADINGS = ("-heading", f"{np.pi / 2} - heading")  # with which a mistake of MISTAKES is undone
+_HEADINGS = ("-heading", f"{np.pi / 2} - heading")  # each undoes a mistake of MISTAKES
 
 
 _EXCHANGED = f"""
@@ -67,13 +67,13 @@ def _undone() -> Iterator[tuple[str, str, str]]:
     yield (
         "motors exchanged",
         "left and right are exchanged: u1 is the left motor, and a faster left wheel turns the "
-        "robot to the right, to larger headings. With its two voltages the other way round it "
-        "comes to the goal",
+        "robot to the right, to larger headings. With exchanged voltages it "
+        "reaches the goal",
         _EXCHANGED,
     )
     for (_, kind, sentence), heading in zip(MISTAKES, _HEADINGS, strict=True):
         code = _MIRRORED.format(heading=heading)
-        yield kind, f"{sentence}. With that undone it comes to the goal", code
+        yield kind, f"{sentence}. With that undone it reaches the goal", code
 
 
 def _trial(task: Task, solution: Solution, code: str) -> TaskTrial:
@@ -84,15 +84,15 @@ def _trial(task: Task, solution: Solution, code: str) -> TaskTrial:
 _AT_REST = 0.5  # px per step
 _MOVES = 1.0  # px per step
 _LAST = 0.2  # of a run
-_LOST = 100.0  # px from the goal, at the end
+_LOST = 100.0  # px from the goal, at the end.
 _FARTHER = 1.4  # times the way of the reference
 _SLOWER = 0.7  # times the speed of the reference
-_HELD = 0.8  # of the steps in which nobody sees it
+_HELD = 0.8  # of the steps in which the robot is not seen
 _NO_VOLTAGE = 1e-9  # V
 
 
 class _Drive(SeenRun):
-    """A drive to a goal, or along waypoints, beside the reference."""
+    """A drive to a goal, or along waypoints, next to the reference."""
 
     @property
     def goals(self) -> Floats:
@@ -186,8 +186,8 @@ def _stops_short(drive: _Drive) -> Problem | None:
     return drive.problem(
         "stops short",
         f"it stands still {drive.distances[-1]:.0f} px from the goal, which is not parked yet: "
-        f"that is within {tolerance:g} px. Does it stop too early, or does friction hold it, so "
-        "that a small voltage does not move it?",
+        f"parked is within {tolerance:g} px. Does it stop too early, or is friction stronger than "
+        "its small voltage?",
         k=_last_move(drive.poses),
     )
 
@@ -202,8 +202,8 @@ def _faces_elsewhere(drive: _Drive) -> Problem | None:
         return None
     return drive.problem(
         "heading of the goal",
-        f"it comes to the position, but faces {np.degrees(drive.poses[-1, 2]):.0f} degrees at the "
-        f"end, and not {np.degrees(drive.goals[2]):.0f} as the goal: turn there on the spot, by "
+        f"it reaches the position, but faces {np.degrees(drive.poses[-1, 2]):.0f} degrees at the "
+        f"end, and not the goal's {np.degrees(drive.goals[2]):.0f}: turn there on the spot, by "
         "the heading error, robsim.wrap_angle(goal - heading)",
     )
 
@@ -221,7 +221,7 @@ def _skips(drive: _Drive) -> Problem | None:
     return drive.problem(
         "cuts corners",
         f"it passes waypoint {number} of {len(apart)} at a distance of {apart[number].min():.0f} "
-        f"px, and goes on to the next: a waypoint is reached within {radius:g} px",
+        f"px, and continues to the next: a waypoint is reached within {radius:g} px",
         k=int(apart[number].argmin()),
     )
 
@@ -233,7 +233,7 @@ def _slow(drive: _Drive) -> Problem | None:
     return drive.problem(
         "slow",
         f"while it drives it moves by {own:.1f} px per step, the reference by {others:.1f}: so it "
-        "needs more time, or more than there is",
+        "needs more time, or more than the run has",
     )
 
 
@@ -247,7 +247,7 @@ def _overshoots(drive: _Drive) -> Problem | None:
         return None
     return drive.problem(
         "overshoots",
-        f"it comes to the goal, and then leaves it by {after.max():.0f} px: brake in time, the "
+        f"it reaches the goal, and then leaves it by {after.max():.0f} px: brake in time, the "
         "speed counts as well as the distance",
         k=int(inside[0] + after.argmax()),
     )
@@ -276,7 +276,7 @@ def _step_lengths(poses: Floats) -> Floats:
 
 
 def _speed(poses: Floats) -> float:
-    """Return the median way of a step in which it drives (px)."""
+    """Return the median distance of a step in which it drives (px)."""
     lengths = _step_lengths(poses)
     moving = lengths[lengths > _MOVES]
     return float(np.median(moving)) if len(moving) else 0.0

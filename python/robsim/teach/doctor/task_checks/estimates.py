@@ -1,4 +1,4 @@
-"""The worst run of an estimator or a measurement, beside the reference in the same run."""
+"""The worst run of an estimator or a measurement, next to the reference in the same run."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from robsim.teach.doctor.task_checks.seen_run import SeenRun, rms
 from robsim.trace.trace import Bools
 
 _SETTLED = 10  # steps
-_NEARER, _FARTHER = 0.75, 1.25  # times as far from the measurements as the reference
-_WORSE_UNSEEN = 1.5  # times as much worse than the reference as where it is seen
+_NEARER, _FARTHER = 0.75, 1.25  # times as far from the measurements as the reference.
+_WORSE_UNSEEN = 1.5  # ratio to the reference while unseen, over the ratio while seen
 _WORSE = 1.3  # times the error of the reference
-_CONFIDENT = 2.0  # mean NEES / 3
+_CONFIDENT = 2.0  # mean NEES / 3.
 _R = "R, the noise of the measurements, is too {}"
-_Q = "Q, that of the model, is too {}"
+_Q = "Q, the noise of the model, is too {}"
 
 
 def state_findings(run: SeenRun) -> Iterator[Problem]:
@@ -41,17 +41,17 @@ def state_findings(run: SeenRun) -> Iterator[Problem]:
 def _prediction(run: SeenRun, seen: float, unseen: float) -> Problem:
     return run.problem(
         "prediction",
-        f"where the robot is not seen its error is {unseen:.2g} times that of the reference, where "
-        f"it is seen {seen:.2g} times: look at the prediction, the model and step.last_u, the "
-        "input that has acted since the step before",
+        f"where the robot is not seen its error is {unseen:.2g} times the reference's, where "
+        f"it is seen {seen:.2g} times: check the prediction, the model and step.last_u, the "
+        "input that has acted since the previous step",
         k=int((~run.trace.seen[_SETTLED:]).argmax()) + _SETTLED,
     )
 
 
 def _gain(run: SeenRun, closeness: float, consistency: float) -> Problem:
-    """Return why it follows the measurements too closely, or too little.
+    """Return a problem if it follows the measurements too closely, or too little.
 
-    By its covariance, if that is a matter of R or of Q: wrong ones of the other kind are too large.
+    With an overconfident covariance R or Q is too small; otherwise R or Q is too large.
     """
     is_near, is_confident = closeness < _NEARER, consistency > _CONFIDENT
     what = "follows their noise" if is_near else "listens to them too little"
@@ -63,14 +63,14 @@ def _gain(run: SeenRun, closeness: float, consistency: float) -> Problem:
         cause = f"{_R.format('large')}, or it leaves some of them out"
     return run.problem(
         "gain too large" if is_near else "gain too small",
-        f"its estimates are {closeness:.2g} times as far from the measurements as those of the "
-        f"reference: it {what}. Its mean NEES is {consistency:.2g} times what it should be: "
+        f"its estimates are {closeness:.2g} times as far from the measurements as the "
+        f"reference's: it {what}. Its mean NEES is {consistency:.2g} times the expected value: "
         f"{cause}",
     )
 
 
 def _ratio(own: Floats, others: Floats) -> float:
-    """Return how many times as large errors (N, 3) are, as the geometric mean over the axes."""
+    """Return the ratio of two errors (N, 3), as the geometric mean over the axes."""
     ratios = [max(rms(own[:, i]), 1e-9) / rms(others[:, i]) for i in range(3)]
     return float(np.exp(np.mean(np.log(ratios))))
 
@@ -89,21 +89,21 @@ def parameter_findings(run: SeenRun) -> Iterator[Problem]:
     if taken < _TAKEN * offered:
         yield run.problem(
             "leaves samples out",
-            f"its parameters change in {taken} steps, those of the reference in {offered}: it "
-            "leaves samples out, and each of them tells something",
+            f"its parameters change in {taken} steps, the reference's in {offered}: it "
+            "leaves samples out, and each of them has information",
         )
     unrest, least = (_unrest(moves) for moves in (own, others))
     if unrest < _UNREST:
         return
     moves = (
         f"in the last 40 % of the run its parameters move {unrest:.2g} times as far as in the "
-        f"first 20 %, those of the reference {least:.2g} times"
+        f"first 20 %, the reference's {least:.2g} times"
     )
     if unrest > 1:
         yield run.problem(
             "gain stays",
-            f"{moves}: its gain does not become smaller with the samples that it has seen. P is to "
-            "be reduced by each, P = P - outer(K, phi @ P); a gradient method has no P",
+            f"{moves}: its gain does not become smaller with the samples that it has seen. Reduce "
+            "P by each, P = P - outer(K, phi @ P); a gradient method has no P",
         )
     else:
         yield run.problem(
@@ -120,7 +120,7 @@ def _unrest(moves: Floats) -> float:
 
 
 def _changes(theta: Floats) -> Floats:
-    """Return how far the parameters (N, 3, 5) move in each step; 0 where there are none yet."""
+    """Return how far the parameters (N, 3, 5) move in each step; 0 before the first ones."""
     moves = np.diff(np.nan_to_num(theta), axis=0).reshape(len(theta) - 1, -1)
     is_first = ~np.isfinite(theta[:-1]).all(axis=(1, 2))
     return np.where(is_first, 0.0, np.linalg.norm(moves, axis=1))
@@ -145,7 +145,7 @@ def measured_findings(run: SeenRun) -> Iterator[Problem]:
             yield run.problem(kind, sentence)
     if (invented := trace.seen & hidden).sum() > _SEVERAL * len(trace):
         yield run.problem(
-            "sees what is not there",
+            "false detection",
             f"it gives a pose in {invented.sum()} of the {hidden.sum()} frames in which the robot "
             "is hidden: return None there",
             k=int(invented.argmax()),
@@ -167,14 +167,14 @@ def _false(run: SeenRun, is_visible: Bools) -> Iterator[Problem]:
             "false poses",
             f"{false.sum()} of its {is_visible.sum()} poses are false, "
             f"{int((other.is_false).sum())} of the reference's: in noise there are other red and "
-            "blue blobs; of all pairs take the one whose distance is that of the markers",
+            "blue blobs; of all pairs take the pair at the distance of the markers",
             k=int(false.argmax()),
         )
     if lost - lost_there > _SEVERAL * len(trace):
         yield run.problem(
             "not found",
-            f"it does not find the robot in {lost} of the {there.sum()} frames in which it is to "
-            f"be seen, the reference in {lost_there}",
+            f"it does not find the robot in {lost} of the {there.sum()} frames that show it, "
+            f"the reference in {lost_there}",
             k=int((there & ~trace.seen).argmax()),
         )
 
@@ -194,13 +194,13 @@ def _inexact(run: SeenRun, is_right: Bools) -> Iterator[Problem]:
             "off by a constant",
             f"its positions are off by ({bias[0]:+.2f}, {bias[1]:+.2f}) px on average, wherever "
             f"the robot is; a pixel of the frame is {px:.3g} px wide. An integer is a pixel's "
-            "centre: step.frame.plane_map.to_world((u, v)) says where it lies in the work area",
+            "centre: step.frame.plane_map.to_world((u, v)) gives its place in the work area",
         )
         return
     yield run.problem(
         "inexact",
-        f"its positions have an error of {error:.2f} px, root mean square, those of the reference "
-        f"{least:.2f} px, in the same noise, though they are not off by a constant. Are they exact "
+        f"its positions have an error of {error:.2f} px, root mean square, the reference's "
+        f"{least:.2f} px, in the same noise, without a constant offset. Are they exact "
         f"to a part of a pixel? A pixel of the frame is {px:.3g} px wide: the centroid of a blob "
         "is exact to a fraction of that, its box and rounded places are not",
     )

@@ -1,4 +1,4 @@
-"""`TaskReport`: whether callback files solve a task, what is short, and why."""
+"""`TaskReport`: whether callback files solve a task, and the reasons of missing points."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from robsim.base.check_report import Problem
 from robsim.base.report import Quantity, percent
 from robsim.teach.doctor.callbacks.folder import FolderReport
 
-if TYPE_CHECKING:  # where submissions are graded the doctor looks at them without the tasks
+if TYPE_CHECKING:  # the grader's doctor has no tasks
     from robsim.teach.tasks.definition import Task
     from robsim.teach.tasks.trial import TaskTrial
 
-#: The kind of the problem of a solution that grading takes for no work.
+#: The kind of the problem of a solution that the grader refuses.
 REFUSED = "not handed in"
 
 
@@ -22,16 +22,16 @@ REFUSED = "not handed in"
 class TaskReport(FolderReport):
     """The result of a check of callback files for a task.
 
-    `problems` are those of the files, and then what the runs of the task show.
+    `problems` has the problems of the files, and then the findings of the task's runs.
 
     Attributes
     ----------
     task : Task
         The task.
     trial : TaskTrial or None
-        How they do on it; None = they were not tried.
+        The outcome of the runs; None = not tried.
     findings : tuple of Problem
-        What the runs show, the likeliest cause first.
+        The findings of the runs, the likeliest cause first.
     """
 
     task: Task
@@ -40,12 +40,12 @@ class TaskReport(FolderReport):
 
     @property
     def ok(self) -> bool:
-        """Whether the task is solved, and nothing is wrong."""
+        """Whether the files solve the task without any problem."""
         return self.is_solved and not self.problems
 
     @property
     def is_solved(self) -> bool:
-        """Whether they have all points of the task."""
+        """Whether the files get all points of the task."""
         return self.trial is not None and self.trial.is_solved
 
     @property
@@ -63,7 +63,7 @@ class TaskReport(FolderReport):
 
     @property
     def not_used(self) -> tuple[str, ...]:
-        """The slots that have a file for which the task does not ask."""
+        """The slots with a file that the task does not use."""
         return tuple(slot for slot, check in self.checks.items() if check == "not used")
 
     @property
@@ -73,12 +73,12 @@ class TaskReport(FolderReport):
 
     @property
     def title(self) -> str:
-        """What was checked, and for what."""
+        """The name of the files and the task."""
         return f"Check of {self.name} for the task {self.task.name}"
 
     @property
     def short(self) -> dict[str, str]:
-        """In a sentence for each score that has not all points, by name: how far it is off."""
+        """A sentence for each score without all points, by name: the distance to all points."""
         return {} if self.trial is None else dict(_short(self.trial))
 
 

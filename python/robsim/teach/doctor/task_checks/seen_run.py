@@ -1,4 +1,4 @@
-"""The worst run of a trial beside that of the reference, and what is said of it."""
+"""The worst run of a trial next to the reference, and problems in it."""
 
 from __future__ import annotations
 
@@ -43,6 +43,6 @@ class SeenRun:
 
 
 def rms(values: Floats) -> float:
-    """Return the root mean square of what is known of values; NaN = nothing is."""
+    """Return the root mean square of the finite values; NaN = no finite value."""
     known = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
