@@ -185,7 +185,7 @@ def test_a_pose_of_a_hidden_robot_is_not_lost_if_it_is_right():
 def test_a_sheet_says_what_is_given_and_what_the_world_is():
     sheets = {name: kind().sheet for name, kind in TASKS.items()}
     assert '`identify_from="measurement"`' in sheets["identify"]
-    assert "`step.measurement` is None:" in sheets["identify"]
+    assert "`step.measurement` is None" in sheets["identify"]
     assert not any("identify_from" in sheets[name] for name in sheets.keys() - {"identify"})
     assert all(word in sheets["estimate"] for word in ("at rest", "no walls"))
     assert "while the robot is hidden" in sheets["measure"]

@@ -1,4 +1,4 @@
-"""Tasks: what students are asked to do, and how a run of it is scored."""
+"""Tasks for students, and the scores of their runs."""
 
 from robsim.teach.tasks.by_name import TASKS, task
 from robsim.teach.tasks.definition import Task, solution_folder

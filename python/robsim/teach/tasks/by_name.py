@@ -1,4 +1,4 @@
-"""Tasks by name, as commands and files of assignments have them."""
+"""Tasks by the names that commands and assignment files use."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def task(name: str, /, **parameters: Any) -> Task:
     name : str
         One of `TASKS`, such as ``"measure"``.
     **parameters
-        What differs from its defaults, as of its class.
+        Values that differ from the defaults; the task's class documents them.
 
     Returns
     -------
@@ -39,13 +39,13 @@ def task(name: str, /, **parameters: Any) -> Task:
     Raises
     ------
     TypeError, ValueError
-        If there is no such task or parameter, or a value is wrong; the message names it, and what
-        was meant.
+        If a task or a parameter is unknown, or a value is invalid; the message names the problem
+        and suggests a similar name.
 
     Examples
     --------
     >>> robsim.teach.task("measure", noise=20).noise
     20
     """
-    check_names("there is no task", [check_text("name", name)], TASKS, ValueError)
+    check_names("unknown task", [check_text("name", name)], TASKS, ValueError)
     return TASKS[name](**parameters)

@@ -1,4 +1,4 @@
-"""`Task`: what students are asked to do, and how a run of it is scored."""
+"""`Task`: an exercise for students, and the scores of its runs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from robsim.trace.trace import check_trace
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: What no solution may import: answers, or what would make some.
+#: Names that no solution may import: answers, and the functions that compute them.
 MASKED = (
     *("robsim.estimation.reference", "robsim.teach.tasks", "robsim.teach.exercises"),
     "robsim.teach.grading",
@@ -43,17 +43,17 @@ MOST_STEPS, MOST_RUNS = 10_000, 1000
 
 @dataclass(frozen=True, kw_only=True)
 class Task(ABC):
-    """Something to do for students: a world, what they write, and scores of their runs.
+    """An exercise for students: a world, the slots to fill, and scores of their runs.
 
-    A subclass is a dataclass whose fields are what can be set, such as a goal or the noise: a
-    value, which can be compared, sent to other processes, and written in an assignment by name.
+    A subclass is a dataclass with the options, such as a goal or the noise, as fields. Its values
+    can be compared, sent to other processes, and written in an assignment by name.
 
     Attributes
     ----------
     name : str
         Its name in commands and files.
     title : str
-        What is to be done, in a line.
+        The task in a line.
     slots : tuple of str
         The slots that a solution fills.
     given : str
@@ -62,7 +62,7 @@ class Task(ABC):
     scores : tuple of Score
         The numbers of a run; their shares sum to 1.
     masked : tuple of str
-        Modules and names of robsim that a solution that is handed in cannot have.
+        Modules and names of robsim that a submitted solution cannot use.
     unscored : int
         Number of steps at the start of a run that do not count.
     steps : int
@@ -94,14 +94,14 @@ class Task(ABC):
     @property
     @abstractmethod
     def values(self) -> Mapping[str, Any]:
-        """What a solution is told: the names in its module ``task``, ``from task import GOAL``.
+        """The values for solutions: the names in the module ``task``, ``from task import GOAL``.
 
         Numbers, text, None, and tuples of these.
         """
 
     @abstractmethod
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the numbers of a run by the names of `scores`; NaN where there is none.
+        """Return the numbers of a run by the names of `scores`; NaN = no number.
 
         Parameters
         ----------
@@ -113,11 +113,11 @@ class Task(ABC):
         NotRecordedError
             If the trace has no truth.
         TypeError
-            If it is no Trace.
+            If `trace` is no Trace.
         """
 
     def broken_rule(self, trace: Trace) -> str | None:
-        """Return in a sentence which rule of the task a run has broken; None = none.
+        """Return a sentence about the rule of the task that a run has broken; None = no rule.
 
         Such a run has no numbers: all are NaN.
 
@@ -131,11 +131,11 @@ class Task(ABC):
 
     @property
     def goals(self) -> Floats | None:
-        """Where the robot is to go: a pose (3,) or waypoints (N, 2); None = it is not told to."""
+        """The robot's goal: a pose (3,) or waypoints (N, 2); None = no goal."""
         return None
 
     def begin(self, folder: str | PathLike[str]) -> list[Path]:
-        """Write what is needed to begin with: the sheet, a file for each slot, and ``task.py``.
+        """Write the files to start with: the sheet, a file for each slot, and ``task.py``.
 
         Parameters
         ----------
@@ -152,22 +152,22 @@ class Task(ABC):
         TypeError
             If `folder` is no path.
         FileExistsError
-            If one of them exists there; then nothing is written.
+            If one of them exists in the folder; then nothing is written.
         OSError
-            If it cannot be written.
+            If a file cannot be written.
         """
         sheet = {"sheet.md": self.sheet.encode()}
         return write_new_files(sheet | starting_files(self), folder)
 
     def figure(self, trace: Trace, reference: Trace | None = None) -> Figure:
-        """Draw a run: its path, and at each step what is wrong.
+        """Draw a run: its path, and the errors of each step.
 
         Parameters
         ----------
         trace : Trace
             The run.
         reference : Trace, optional
-            That of another solution in the same world.
+            The run of another solution in the same world.
 
         Returns
         -------
@@ -177,7 +177,7 @@ class Task(ABC):
         Raises
         ------
         TypeError, ValueError
-            If one is no Trace, or has no steps.
+            If an argument is no Trace, or has no steps.
         """
         from robsim.plotting.beside import draw_run  # matplotlib takes its time
         from robsim.plotting.style import check_optional, check_steps
@@ -191,18 +191,18 @@ class Task(ABC):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What was set, by name: ``type(task)(**task.parameters) == task``."""
+        """The options by name: ``type(task)(**task.parameters) == task``."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property
     def sheet(self) -> str:
-        """What students read, with these values, in Markdown."""
+        """The sheet for students, with these values, in Markdown."""
         own = (_SHEETS / f"{self.name}.md").read_text(encoding="utf-8")
         return "\n\n".join([own.format_map(self.parameters).strip(), *_common(self)]) + "\n"
 
     @property
     def solutions(self) -> tuple[Solution, ...]:
-        """Those that ship with robsim: the right ones, the reference first, then wrong ones."""
+        """The solutions in robsim: the right ones, the reference first, then wrong ones."""
         return shipped_solutions(self.name, self.slots)
 
     def simulation(
@@ -221,7 +221,7 @@ class Task(ABC):
         time_limit : float, optional
             Maximum duration of a call of a callback (s).
         **callbacks
-            What fills the slots, as for `Simulation`.
+            The callbacks for the slots, as for `Simulation`.
 
         Returns
         -------
@@ -261,43 +261,43 @@ _SHEETS = Path(__file__).parent / "sheets"
 
 _GIVEN = {
     "frames": "The camera's frame, `step.frame`, and the coloured blobs found in it, `step.blobs`.",
-    "blobs": "The coloured blobs in the camera's frame, `step.blobs`, but not the frame itself.",
+    "blobs": "The coloured blobs in the camera's frame, `step.blobs`, but not the frame.",
     "pose": "The measured pose, `step.measurement`, or None where the robot was not seen.",
 }
 _SAMPLE = (
-    'The newest sample, `step.sample`, of poses as the option `identify_from="{}"` takes them. '
-    "`step.measurement` is None: the robot is measured after this stage."
+    'The newest sample, `step.sample`, of poses from the option `identify_from="{}"`. '
+    "`step.measurement` is None, because the measurement follows this stage."
 )
 
 
 def _common(task: Task) -> Iterator[str]:
-    yield "## What you write"
+    yield "## Your files"
     yield "\n".join(_files(task))
-    yield "## What you are given"
+    yield "## Your inputs"
     example = f"`from task import {next(iter(task.values))}`"
     yield f"{' '.join(_given(task))} And from the module `task`, as {example}:"
     rows = (f"| `{name}` | `{value!r}` |" for name, value in task.values.items())
     yield "\n".join(["| name | value |", "| --- | --- |", *rows])
     yield (
-        "A run is from a seed of its own, and so differs from others. You may import numpy, what "
-        f"Python brings along, files of your own, and robsim without {listed(_masked(task))}. A "
-        "function, object or default stage of robsim in a slot is not handed in; neither is a file "
-        "that is switched off or an untouched template."
+        "Each run has a separate seed, and so differs from others. You may import numpy, Python's "
+        f"standard library, files of your own, and robsim without {listed(_masked(task))}. "
+        "Grading does not accept a function, object or default stage of robsim in a slot, a file "
+        "that is switched off, or an untouched template."
     )
     yield "## How it is scored"
     rows = (f"| {one.title} | {one.unit} | {_share_of(one)} |" for one in task.scores)
     yield "\n".join(["| score | unit | share of the points |", "| --- | --- | --- |", *rows])
     yield (
-        f"Your code is run {task.runs} times for {task.steps} steps, and so is a reference in the "
-        "same runs. What counts is how many times the reference's your numbers are, as the "
-        "geometric mean over the runs: about as good as the reference gives all points. The "
-        "smallest typical mistake gives none, but never below 1.5 times the limit of all points. A "
+        f"Your code runs {task.runs} times for {task.steps} steps, and so does a reference in the "
+        "same runs. A score is the ratio of your number to the reference's, as the geometric mean "
+        "over the runs: about as good as the reference gives all points. The smallest typical "
+        "mistake gives no points, but never below 1.5 times the limit of all points. A "
         "run that ends with an error has no points."
     )
     if any(one.kind == "lost" for one in task.scores):
         yield (
-            "Lost frames multiply all other points: without a pose a controller has nothing to act "
-            "on, however exact the poses of other frames are. With half as many right poses as the "
+            "Lost frames multiply all other points: without a pose a controller cannot act, "
+            "however exact the poses of other frames are. With half as many right poses as the "
             "reference there are no points."
         )
     yield "## Try it"
@@ -331,7 +331,7 @@ def _files(task: Task) -> Iterator[str]:
 
 
 def _masked(task: Task) -> list[str]:
-    """Return what is masked, once: a name at the top is that of its room, too."""
+    """Return the masked names, each once; a top-level name also stands for its module."""
     masked = {"robsim.teach" if name.startswith("robsim.teach.") else name for name in task.masked}
     names = {name.rpartition(".")[2]: name for name in sorted(masked, reverse=True)}
     return [f"`{name}`" for name in sorted(names.values())]

@@ -1,4 +1,4 @@
-"""`Score`: a number that a run of a task is scored by, and how those of several runs make one."""
+"""`Score`: a number of a task's runs, and the combination of several runs into a statistic."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ KINDS = ("ratio", "consistency", "lost")
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """A number that each run of a task has, and what it is.
+    """A number that each run of a task has.
 
     Parameters
     ----------
     name : str
         Its name, as in the numbers that `Task.score` returns.
     title : str
-        What it is, for people.
+        Its description for people.
     unit : str
-        Its unit; "" = none.
+        Its unit; "" = without a unit.
     kind : {"ratio", "consistency", "lost"}
-        How runs are put together; see `statistic`.
+        The combination of several runs; see `statistic`.
     share : float
         Its share of the points of a test; the shares of a task sum to 1. A score of kind
         ``"lost"`` has share 0: its part of the points multiplies all other scores.
     floor, worst : float
-        What is better than `floor` counts as `floor`; what is worse than `worst`, or not a number,
-        as `worst`.
+        Bounds: a number better than `floor` counts as `floor`; a number worse than `worst`, or
+        NaN, as `worst`.
 
     Raises
     ------
@@ -66,14 +66,12 @@ class Score:
         check_float("floor", self.floor, self.unit, exclusive_minimum=0)
         check_float("worst", self.worst, self.unit, exclusive_minimum=self.floor)
         if (self.kind == "lost") != (self.share == 0):
-            raise ValueError(
-                f"share must be 0 for kind 'lost' alone, got {self.share}, {self.kind}"
-            )
+            raise ValueError(f"share must be 0 only for kind 'lost', got {self.share}, {self.kind}")
         if self.kind == "lost" and self.worst >= _ALL:
             raise ValueError(f"worst must be below {_ALL:g} % for kind 'lost', got {self.worst}")
 
     def statistic(self, values: Sequence[float], reference: Sequence[float]) -> float:
-        """Return what the numbers of some runs come to, relative to those of a reference.
+        """Return the combination of some runs, relative to a reference.
 
         Parameters
         ----------
@@ -90,12 +88,12 @@ class Score:
         Raises
         ------
         TypeError, ValueError
-            If these are no numbers, none at all, or not equally many.
+            If the values are no numbers, empty, or not as many as the reference's.
 
         Notes
         -----
-        A geometric mean, since a single run in which a robot is lost, of which there are some with
-        any method, outweighs in a mean of squares all others together.
+        Any method loses the robot in some runs. In a mean of squares, such a run outweighs all
+        others together; in a geometric mean it does not.
         """
         own, others = self._known("values", values), self._known("reference", reference)
         if len(own) != len(others):
@@ -134,21 +132,21 @@ _ALL = 100.0  # %
 
 
 def share_of_points(scores: Sequence[Score], fractions: Sequence[float]) -> list[float]:
-    """Return the part of its points, 0..1, that each score gives, from the fractions of all."""
+    """Return each score's part of the points, 0..1, from the fractions of all."""
     pairs = [*zip(scores, fractions, strict=True)]
     kept = math.prod(fraction for score, fraction in pairs if score.kind == "lost")
     return [fraction if score.kind == "lost" else fraction * kept for score, fraction in pairs]
 
 
 def scores_of(*rows: tuple[Any, ...]) -> tuple[Score, ...]:
-    """Return scores of rows: name, title, unit, share, floor, worst, and maybe their kind."""
+    """Return scores from rows: name, title, unit, share, floor, worst, and an optional kind."""
     names = ("name", "title", "unit", "share", "floor", "worst", "kind")
     return tuple(Score(**dict(zip(names, row, strict=False))) for row in rows)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreLimit:
-    """Up to where the statistic of a score has full points, and from where on none.
+    """The statistic up to which a score has full points, and from which it has no points.
 
     Parameters
     ----------
@@ -157,14 +155,14 @@ class ScoreLimit:
     zero : float
         The statistic above which a score gives no points.
     low : float or None
-        The smallest statistic with full points, for what can be too small; None = none is.
+        The smallest statistic with full points, for a score that can be too small; None = no limit.
     low_zero : float or None
-        The statistic down from which there are none; given with `low`.
+        The statistic below which a score has no points; required with `low`.
 
     Raises
     ------
     TypeError, ValueError
-        If one is not a number above 0, or `low` and `low_zero` are not given together.
+        If a limit is not a number above 0, or only one of `low` and `low_zero` is given.
     """
 
     full: float
@@ -185,12 +183,12 @@ class ScoreLimit:
         Parameters
         ----------
         statistic : float
-            As of `Score.statistic`.
+            The result of `Score.statistic`.
 
         Raises
         ------
         TypeError, ValueError
-            If it is not a number above 0.
+            If the statistic is not a number above 0.
         """
         check_float("statistic", statistic, exclusive_minimum=0)
         share = _between(statistic, self.full, self.zero)

@@ -1,17 +1,17 @@
-"""Solutions of tasks, right and wrong; those that ship are a right one and changes of it.
+"""Solutions of tasks, right and wrong; robsim's own are a right one and changes of it.
 
-A file of ``assets/solutions`` has those of a task, in TOML::
+A file of ``assets/solutions`` has the solutions of a task, in TOML::
 
     [base]                   # the files of a right solution by name
-    "robot.py" = "park"      # a file that the base of another task has
-    [right.NAME]             # another one: the base with these changes, in turn
+    "robot.py" = "park"      # a file that the base of another task has.
+    [right.NAME]             # another one: the base with these changes, in turn.
     says = "..."             # the first line of its first file
     "old" = "new"            # instead of a text, in all files of the base that have it.
     "first ... last" = "new" # instead of all from the first words to the last
     "control.py" = "..."     # another file
 
-One that has a file for each slot has no others of the base. The wheel has none of these files, but
-``solutions.bin``, in which nobody comes across a solution without looking for one.
+A solution with a file for each slot has no other files of the base. The wheel has no such files,
+but ``solutions.bin``, in which students do not find a solution by accident.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from robsim.teach.tasks.definition import Task
 #: The right solution that scores are relative to, and the wrong one that gets no points.
 REFERENCE, NAIVE = "reference", "naive"
-#: The module from which a solution has the values of its task.
+#: The module with the values of a task for its solutions.
 MODULE = "task"
 _START = Path(__file__).parent / "start"
 
@@ -51,17 +51,17 @@ class Solution:
     Attributes
     ----------
     name : str
-        Its name; ``"reference"`` and ``"naive"`` are those that scores are relative to.
+        Its name; scores are relative to ``"reference"`` and ``"naive"``.
     is_right : bool
-        Whether it is to get full points, or fewer.
+        Whether full points are expected.
     folder : Path, optional
-        Where it was read from; None = it ships with robsim.
+        Its source folder; None = part of robsim.
     files : mapping of str to bytes
-        The Python files by name without ``.py``, as they were then.
+        The Python files by name without ``.py``, with their content at that time.
     slots : tuple of str
         The slots that it may fill.
     notebook : SubmissionFiles, optional
-        The notebook that the files run; None = it was none.
+        The notebook that the files run; None = no notebook.
     """
 
     name: str
@@ -73,7 +73,7 @@ class Solution:
 
     @classmethod
     def load(cls, folder: str | PathLike[str], slots: Iterable[str], *, is_right: bool) -> Solution:
-        """Read the files of a folder, a single one, or a notebook; nothing of them is run.
+        """Read the files of a folder, a single file, or a notebook without running any code.
 
         Parameters
         ----------
@@ -83,14 +83,14 @@ class Solution:
         slots : sequence of str
             The slots that it may fill.
         is_right : bool
-            Whether it is to get full points.
+            Whether full points are expected.
 
         Raises
         ------
         OSError
-            If there is no such folder, or it cannot be read.
+            If the folder is missing or unreadable.
         TypeError, ValueError
-            If an argument is wrong, or it has none of the slots.
+            If an argument is wrong, or the folder has no file for a slot.
         """
         path = as_folder(folder)
         check_bool("is_right", is_right)
@@ -125,7 +125,7 @@ def _what_is_missing(path: Path, files: Iterable[str], slots: tuple[str, ...]) -
 
 
 def module_source(task: Task) -> bytes:
-    lines = [f'"""What is given: {task.title}."""', ""]
+    lines = [f'"""The values of the task: {task.title}."""', ""]
     lines += [f"{name} = {value!r}" for name, value in task.values.items()]
     return ("\n".join(lines) + "\n").encode()
 
@@ -155,7 +155,7 @@ def _found(folder: Path, slots: tuple[str, ...]) -> Iterator[Solution]:
 
 
 def with_shared(solutions: Iterable[Solution]) -> Iterator[Solution]:
-    """Yield solutions with the helpers of the reference, the first: they need not repeat them."""
+    """Yield solutions with the helpers of the reference, the first, so that none repeats them."""
     shared: dict[str, bytes] = {}
     for one in solutions:
         if one.is_right and one.name == REFERENCE:

@@ -1,4 +1,4 @@
-"""`TaskTrial`: how good a solution of a task is, beside the reference."""
+"""`TaskTrial`: the quality of a task's solution, compared with the reference."""
 
 from __future__ import annotations
 
@@ -36,33 +36,33 @@ _NEARLY, _SOME = 0.8, 0.1  # of the points; a naive solution has some by chance
 
 @dataclass(frozen=True, kw_only=True)
 class TaskTrial(Report):
-    """How good a solution of a task is, beside the reference: the result of `try_solution`.
+    """The quality of a task's solution, compared with the reference; from `try_solution`.
 
     Attributes
     ----------
     task : Task
         The task.
     solution : str
-        What was tried.
+        The name of the solution.
     seed : int
-        What the seeds of the runs come from.
+        The seed from which the seeds of the runs are derived.
     values, reference : mapping of str to tuple of float
-        The numbers of the runs, by the name of the score: its own and those of the reference. NaN =
-        there is none, and for its own also where the run failed.
+        The numbers of the solution's and the reference's runs, by score name. NaN = no number,
+        also where the solution's run failed.
     limits : mapping of str to ScoreLimit
-        Up to where a score has all points, by its name; empty = not known.
+        The limits of all points by score name; empty = unknown.
     failed : mapping of int to str
-        Runs that ended with an error, by number, and what that was.
+        The errors of failed runs, by run number.
     broken : tuple of int
-        The numbers of the runs that have broken a rule of the task; they have no numbers.
+        The numbers of the runs that have broken a rule of the task; these have no scores.
     rule : str or None
-        What the first of them has done.
+        The violation in the first of them.
     worst : int or None
-        The number of the worst of the runs that came through; None = none did.
+        The number of the worst completed run; None = all failed.
     trace, reference_trace : Trace or None
-        That run, and the same of the reference.
+        The traces of the worst run, from the solution and the reference.
     has_own_limits : bool
-        Whether the limits are those of this very task; else of one with the default parameters.
+        Whether the limits belong to this very task; else to a task with default parameters.
     """
 
     task: Task
@@ -86,7 +86,7 @@ class TaskTrial(Report):
 
     @property
     def statistics(self) -> dict[str, float]:
-        """What the runs come to by score, as of `Score.statistic`; NaN = no run came through."""
+        """The statistic of each score, see `Score.statistic`; NaN = all runs failed."""
         return {score.name: self._statistic(score) for score in self.task.scores}
 
     def _statistic(self, score: Score) -> float:
@@ -101,7 +101,7 @@ class TaskTrial(Report):
 
     @property
     def points(self) -> float:
-        """The part of the points, 0..1; NaN = not known."""
+        """The part of the points, 0..1; NaN = unknown."""
         if not self.limits:
             return math.nan
         through = 1 - len(self.failed) / self.runs
@@ -109,12 +109,12 @@ class TaskTrial(Report):
 
     @property
     def is_solved(self) -> bool:
-        """Whether it has all points; False also where they are not known."""
+        """Whether the solution has all points; False also if the points are unknown."""
         return self.points > 1 - 1e-9
 
     @property
     def title(self) -> str:
-        """What was tried."""
+        """The name of the task and the solution."""
         return f"Task {self.task.name}, {self.solution}"
 
     @property
@@ -133,7 +133,7 @@ class TaskTrial(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Points, runs, and how many of them failed."""
+        """Points, runs, and the number of failed runs."""
         return (
             Quantity("points", "points", self.points, format=percent, missing="not known"),
             Quantity("runs", "runs", self.runs),
@@ -142,7 +142,7 @@ class TaskTrial(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The scores: medians, what they come to, and the limits."""
+        """The scores: medians, statistics, and the limits."""
         columns = [
             Column("own", "yours"),
             Column("reference", "reference"),
@@ -162,7 +162,7 @@ class TaskTrial(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the numbers mean, what failed, and what the limits are worth."""
+        """Notes on the numbers, the failed runs and the limits."""
         return tuple(self._remarks())
 
     def _remarks(self) -> Iterator[str]:
@@ -172,43 +172,43 @@ class TaskTrial(Report):
             yield f"{len(self.failed) - _MOST_SHOWN} more failed"
         if self.broken:
             runs = count(len(self.broken), self.runs)
-            yield f"runs against the rules: {runs}; run {self.broken[0]}: {self.rule}"
+            yield f"runs against the rules: {runs}; in run {self.broken[0]}, {self.rule}"
         yield (
-            "yours and the reference's are medians of the runs; what they come to is how many "
-            "times the reference's yours are, as the geometric mean over the runs"
+            "yours and the reference's are medians of the runs; the result is the ratio of yours "
+            "to the reference's, as the geometric mean over the runs"
         )
         if any(math.isnan(_median(self._through(score))) for score in self.task.scores):
             yield (
-                "no median: half of the runs or more have no such number, such as the time of a "
+                "no median: at least half of the runs have no such number, such as the time of a "
                 "robot that does not arrive, and count as the worst"
             )
         if any(score.kind == "consistency" for score in self.task.scores):
-            yield "what should be 1, a consistency, is the geometric mean of yours alone"
+            yield "the result of a consistency, ideally 1, is the geometric mean of yours alone"
         if self.worst is not None:
             yield f"the worst run is number {self.worst}"
         if self.limits and not self.has_own_limits:
-            yield "the limits are those of the task with its default parameters"
+            yield "the limits belong to the task with its default parameters"
         if self.limits and self.runs < self.task.runs:
             yield (
-                f"the limits are for {self.task.runs} runs: with fewer there is more chance in "
-                "what they come to"
+                f"the limits are for {self.task.runs} runs: with fewer runs, the result depends "
+                "more on chance"
             )
 
     def figure(self) -> Figure:
-        """Draw the worst run beside that of the reference.
+        """Draw the worst run next to the reference's.
 
         Returns
         -------
         matplotlib.figure.Figure
-            The figure, as of `Task.figure`.
+            The figure, from `Task.figure`.
 
         Raises
         ------
         ValueError
-            If no run came through.
+            If all runs failed.
         """
         if self.trace is None:
-            raise ValueError("there is no run to draw: all have failed")
+            raise ValueError("no run to draw: all runs have failed")
         return self.task.figure(self.trace, self.reference_trace)
 
 
@@ -238,7 +238,7 @@ class _Metric:
         return self.task.score(trace) | {"broken": self.task.broken_rule(trace) is not None}
 
 
-#: The seed of trials, unless another one is given: everybody has the same runs.
+#: The default seed of trials: all users have the same runs.
 PUBLIC_SEED = 1
 
 
@@ -252,7 +252,7 @@ def try_solution(
     progress: bool = True,
     **callbacks: Any,
 ) -> TaskTrial:
-    """Try a solution of a task, in this process, beside the reference in the same runs.
+    """Try a solution of a task in this process, with the reference in the same runs.
 
     Parameters
     ----------
@@ -260,32 +260,31 @@ def try_solution(
         The task.
     solution : path or Solution, optional
         A folder with a file for each slot, one such file, or a notebook; each call reads it
-        again. It can import the values of the task from the module ``task``.
+        again. The solution can import the values of the task from the module ``task``.
     runs : int, optional
         Number of runs, 1..1000. Default: `runs` of the task.
     seed : int
-        What the seeds of the runs come from; the default is everybody's.
+        The seed of all runs; the default is the same for all users.
     time_limit : float, optional
         Maximum duration of a call of a callback (s); a run that exceeds it fails.
     progress : bool
         Show a progress bar in a terminal or a notebook.
     **callbacks
-        In place of `solution` the callbacks by slot, such as ``control=my_controller``: a
-        function of the step, or a class without arguments, or a function that makes the
-        callback, which are called anew for each run.
+        Instead of `solution` the callbacks by slot, such as ``control=my_controller``: a function
+        of the step, or a maker of the callback (a class or function without arguments), which
+        each run calls again.
 
     Returns
     -------
     TaskTrial
-        The scores beside those of the reference, and what they come to; ``figure()`` of the
-        worst run.
+        The scores, the reference's scores, and their statistics; ``figure()`` draws the worst run.
 
     Raises
     ------
     TypeError, ValueError, OSError
         If an argument is wrong, or a file cannot be read; the message names it.
     Exception
-        Whatever a file of the solution raises while it is loaded. What it raises in a run is
+        Any exception that a file of the solution raises while loading. Exceptions in a run are
         part of the result.
 
     Examples
@@ -333,7 +332,7 @@ def try_solution(
 
 
 def why_not_own(task: Task, solution: Solution) -> str:
-    """Return the reason for which grading would take a solution for no work; "" = none."""
+    """Return the reason for which grading would refuse a solution; "" = accepted."""
     rules = Rules(slots=task.slots, masked=task.masked)
     if solution.notebook is not None:
         sources = {**solution.notebook.sources, f"{MODULE}.py": module_source(task)}
@@ -358,7 +357,7 @@ def _choices(
         if not isinstance(solution, (str, PathLike)):
             raise TypeError(
                 f"solution must be the path of a folder, file or notebook, got {quoted(solution)}: "
-                f"callbacks are given by name, such as {task.slots[0]}=..."
+                f"give callbacks by name, such as {task.slots[0]}=..."
             )
         solution = Solution.load(solution, task.slots, is_right=False)
         if reason := why_not_own(task, solution):
@@ -394,7 +393,7 @@ def _runs_of(
 
 @lru_cache(maxsize=16)
 def _reference(task: Task, runs: int, seed: int) -> CampaignResult:
-    """Return the runs of the reference; trials of others have the same."""
+    """Return the runs of the reference, which other trials share."""
     own = next(one for one in task.solutions if one.name == REFERENCE)
     choices = {FOLDER: solution_folder(task, own)}
     result = _runs_of(task, choices, runs, seed, time_limit=None, progress=False)
@@ -409,7 +408,7 @@ def _numbers(task: Task, result: CampaignResult) -> dict[str, tuple[float, ...]]
 
 
 def _broken(result: CampaignResult) -> tuple[int, ...]:
-    column = f"{METRIC}_broken"  # which is not there if all runs failed
+    column = f"{METRIC}_broken"  # missing if all runs failed
     is_broken = result[column] if column in result.columns else np.zeros(0)
     return tuple(np.flatnonzero(np.nan_to_num(is_broken)).tolist())
 
@@ -439,7 +438,7 @@ def _worst(
 
 
 def _limits(task: Task) -> tuple[Mapping[str, ScoreLimit], bool]:
-    """Return the limits that ship for its kind, and whether they are for its parameters."""
+    """Return the limits of the task's kind in robsim, and whether they fit its parameters."""
     shipped = shipped_calibrations().get(task.name)
     if shipped is None:
         return {}, False
@@ -454,7 +453,7 @@ def reference_run(task: Task, seed: np.random.SeedSequence) -> Trace:
 
 
 def trial_of(task: Task, trace: Trace, reference: Trace) -> TaskTrial:
-    """Return the trial of one run, or its beginning, beside the reference in the same world."""
+    """Return the trial of one run, or of its start, compared with the reference in its world."""
     own, other = task.score(trace), task.score(reference)
     limits, are_own = _limits(task)
     rule = task.broken_rule(trace)

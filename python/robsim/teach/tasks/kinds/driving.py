@@ -1,4 +1,4 @@
-"""What the tasks to drive have in common: their world, its disturbances, and a rule."""
+"""The common part of driving tasks: their world, its disturbances, and a rule."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from robsim.vision.imaging.noise import GaussianNoise
 AREA, RESOLUTION = (1200, 1200), (400, 400)
 #: Time of a step (s).
 DT = RobotModel().dt
-#: How long the robot is hidden at a time (steps).
+#: The duration of a hiding of the robot (steps).
 _HIDDEN_STEPS = 3
 
 
@@ -46,22 +46,22 @@ def small_world(
 
 
 def rms(rows: Floats) -> float:
-    """Return the rms length of rows; NaN if there are none."""
+    """Return the rms length of rows; NaN without rows."""
     return float(np.sqrt(np.mean((rows**2).sum(axis=1)))) if len(rows) else float("nan")
 
 
 def rms_of_poses(errors: Floats) -> dict[str, float]:
-    """Return the rms of errors of poses, (N, 3): of the position (px), of the heading (degrees)."""
+    """Return the rms of pose errors (N, 3): of the position (px), of the heading (degrees)."""
     return {"position": rms(errors[:, :2]), "heading": float(np.rad2deg(rms(errors[:, 2:])))}
 
 
-#: What a motor may get (V); without a limit larger voltages are faster, beyond any motor.
+#: Maximum voltage of a motor (V); without a limit larger voltages are faster, beyond any motor.
 MAXIMUM_VOLTAGE = 1.0
 #: Work area and frame (px): small, so that a robot comes to a goal within some 100 steps.
 _AREA, _RESOLUTION = (640, 640), (320, 320)
-#: What disturbs the voltages of the motors in each step.
+#: The disturbance of the motor voltages in each step.
 _PROCESS_NOISE = WheelNoise(0.1)
-#: How near to a wall a robot does not come (px): its radius, and some room.
+#: The minimum distance of a robot from a wall (px): its radius, and some room.
 _WALL = 80
 _ROUNDING = 1e-9  # V
 
@@ -69,7 +69,7 @@ _ROUNDING = 1e-9  # V
 class DrivingTask(Task):
     """To drive by measured poses, while the model is not exact.
 
-    It is no dataclass: its options are fields of the tasks, where they stand behind their own.
+    Not a dataclass: its options are fields of the tasks, after their own fields.
     """
 
     slots: ClassVar[tuple[str, ...]] = ("control",)
@@ -99,7 +99,7 @@ class DrivingTask(Task):
         )
 
     def broken_rule(self, trace: Trace) -> str | None:
-        """Return in which step a voltage was too large."""
+        """Return a sentence on the step with too large a voltage."""
         check_trace(trace)
         largest = np.abs(trace.u).max(axis=1)
         rows = np.flatnonzero(largest > MAXIMUM_VOLTAGE + _ROUNDING)

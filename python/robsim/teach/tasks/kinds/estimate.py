@@ -20,10 +20,10 @@ from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
-#: What camera noise of 1 % adds to a measured pose (px, px, rad), found by simulation.
+#: The error of a measured pose due to camera noise of 1 % (px, px, rad), found by simulation.
 _BY_NOISE = (0.0155, 0.0155, 0.00065)
 
-#: Steps for which an input is held: with longer ones it would hardly matter which one is taken.
+#: Steps for which an input is held; longer ones would hide a late input.
 _HOLD = 4
 
 
@@ -42,7 +42,7 @@ class EstimateTask(Task):
     turn : float
         Standard deviation of the process noise of the heading in a step (rad).
     steps, runs : int
-        As of `Task`; the first 10 steps are not scored.
+        See `Task`; the first 10 steps are not scored.
 
     Raises
     ------
@@ -109,8 +109,8 @@ class EstimateTask(Task):
 def _measured(noise: float) -> Floats:
     """Return the standard deviations of a measured pose (px, px, rad).
 
-    The robot is drawn at whole pixels of the frame, in the nearest of some headings: these errors
-    are uniform, of variance (step size)^2 / 12, and white, as the robot moves.
+    The robot is drawn at whole pixels of the frame, in the nearest of some headings. These errors
+    are uniform, of variance (step size)^2 / 12, and white, because the robot moves.
     """
     step_size = np.array([AREA[0] / RESOLUTION[0], AREA[1] / RESOLUTION[1], 2 * np.pi / HEADINGS])
     sigma: Floats = np.sqrt(step_size**2 / 12 + np.square(_BY_NOISE) * noise**2)
@@ -120,5 +120,5 @@ def _measured(noise: float) -> Floats:
 def _mean_nees(error: Floats, covariance: Floats) -> float:
     try:
         return float(np.mean(nees(error, covariance)))
-    except ValueError:  # what it reports is no covariance
+    except ValueError:  # the returned matrix is no covariance
         return float("nan")

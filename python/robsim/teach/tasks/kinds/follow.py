@@ -36,7 +36,7 @@ class FollowTask(DrivingTask):
     mismatch : float
         Relative standard deviation of the gains of the motors and of the friction, 0..0.3.
     steps, runs : int
-        As of `Task`.
+        See `Task`.
 
     Raises
     ------
@@ -76,7 +76,7 @@ class FollowTask(DrivingTask):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The waypoints, within which distance they are reached, the largest voltage (V)."""
+        """The waypoints, the distance at which they count as reached, the largest voltage (V)."""
         return {
             "WAYPOINTS": self.waypoints,
             "WAYPOINT_RADIUS": _RADIUS,
@@ -90,9 +90,9 @@ class FollowTask(DrivingTask):
         return np.array(self.waypoints)
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return error, time and waypoints left; a path that is not completed has neither of both.
+        """Return error, time and waypoints left; an incomplete path has no error and no time.
 
-        Who stays where he is has no distance from the path.
+        A robot that does not move has no distance from the path.
         """
         check_trace(trace, "pose_true")
         if self.broken_rule(trace) is not None:

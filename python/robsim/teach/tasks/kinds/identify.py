@@ -18,10 +18,10 @@ from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
-#: At which part of a run the early estimate is scored.
+#: The part of a run after which the early estimate is scored.
 _EARLY = 0.4
 
-#: Inputs that excite all parameters, the robot being fast compared with its noises (V, steps).
+#: Inputs that excite all parameters of a robot that is fast compared with its noises (V, steps).
 _EXCITATION = DriveAround(low=-1.0, high=3.0, hold=6)
 
 
@@ -29,22 +29,22 @@ _EXCITATION = DriveAround(low=-1.0, high=3.0, hold=6)
 class IdentifyTask(Task):
     """Identify the parameters of a robot recursively, from the poses that a camera measures.
 
-    What is scored is what the parameters predict: the error of the next pose, from the true ones
-    before, that is due to the parameters, e = phi (theta - theta_true), over all samples of the
-    run. So parameters count as far as the run determines them, each in the unit of a pose.
+    The scores measure the prediction of the next pose from the true previous poses. Its error due
+    to the parameters is e = phi (theta - theta_true), over all samples of the run. So parameters
+    count as far as the run determines them, each in the unit of a pose.
 
     Parameters
     ----------
     noise : float
         Gaussian noise of the camera (%).
     mismatch : float
-        Relative standard deviation of the true gains and frictions around those that are told.
+        Relative standard deviation of the true gains and frictions around the given ones.
     slip : float
         Standard deviation of the process noise of the position in a step (px).
     turn : float
         Standard deviation of the process noise of the heading in a step (rad).
     steps, runs : int
-        As of `Task`.
+        See `Task`.
 
     Raises
     ------
@@ -99,7 +99,7 @@ class IdentifyTask(Task):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The parameters of the robot before it was used, and by how much they may be wrong."""
+        """The parameters of the new robot, and their possible relative error."""
         return {
             "DT": DT,
             "THETA": tuple(map(tuple, RobotModel().theta.tolist())),
@@ -107,7 +107,7 @@ class IdentifyTask(Task):
         }
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the rms errors of what the parameters predict, at the end and early."""
+        """Return the rms errors of the parameters' predictions, at the end and early."""
         check_trace(trace, "pose_true")
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)

@@ -21,7 +21,7 @@ from robsim.trace.tracking import FALSE_POSE_LIMITS
 
 @dataclass(frozen=True, kw_only=True)
 class MeasureTask(Task):
-    """Find the robot in noisy frames: position and heading, or that it is not to be seen.
+    """Find the robot in noisy frames: position and heading, or its absence.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class MeasureTask(Task):
     dropout : float
         Probability that the robot is hidden, 0..1, in each of the segments of 3 steps.
     steps, runs : int
-        As of `Task`.
+        See `Task`.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class MeasureTask(Task):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The time between two frames (s), the noise (%), and where the markers are (px)."""
+        """The time between two frames (s), the noise (%), and the places of the markers (px)."""
         markers = self.scenario._marker_layout
         return {
             "DT": DT,
@@ -79,7 +79,7 @@ class MeasureTask(Task):
         }
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the rms errors of the poses that are not false, and the share of frames lost."""
+        """Return the rms errors of poses other than false ones, and the share of frames lost."""
         check_trace(trace, "pose_true")
         is_good = trace.seen & ~trace.is_false
         is_lost = trace.is_false | ~(trace.seen | trace.hidden.astype(bool))

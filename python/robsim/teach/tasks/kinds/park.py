@@ -17,7 +17,7 @@ from robsim.teach.tasks.score import Score, scores_of
 from robsim.trace import Trace
 from robsim.trace.trace import check_trace
 
-#: Within these the robot is parked (px, rad).
+#: Within these tolerances the robot is parked (px, rad).
 _POSITION_TOLERANCE, _HEADING_TOLERANCE = 20.0, 0.15
 
 
@@ -36,7 +36,7 @@ class ParkTask(DrivingTask):
     mismatch : float
         Relative standard deviation of the gains of the motors and of the friction, 0..0.3.
     steps, runs : int
-        As of `Task`.
+        See `Task`.
 
     Raises
     ------

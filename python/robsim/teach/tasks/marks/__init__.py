@@ -1,1 +1,1 @@
-"""What marks rest on: limits calibrated from right solutions, and what wrong ones come to."""
+"""The basis of marks: limits calibrated from right solutions, and marks of wrong solutions."""

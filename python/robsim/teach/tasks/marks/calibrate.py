@@ -32,13 +32,13 @@ from robsim.teach.tasks.marks.sets import Runs, Sets, runs_of, sets_of, with_dra
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
-#: Tests from which the shape of the limits comes, and tests of each wrong solution.
+#: Tests that determine the shape of the limits, and tests of each wrong solution.
 PILOT_TESTS, WRONG_TESTS = 60, 60
-#: Provisional limits: tests of each right solution, of each wrong one, and of those that pass one
-#: of these, or set where points end. One that passes in a share p of the tests is given up with the
-#: probability (1 - p)^6: 26 % for p = 20 %.
+#: Provisional limits: tests of each right solution, of each wrong one, and of wrong ones that pass
+#: a test or determine the zero of a score. A wrong solution that passes in a share p of the tests
+#: is given up with the probability (1 - p)^6: 26 % for p = 20 %.
 RIGHT_TESTS, FIRST_TESTS, MORE_TESTS = 40, 6, 40
-#: Runs in the tests that are drawn for provisional limits; more would take memory.
+#: Runs in the tests that are drawn for provisional limits; more would need too much memory.
 DRAWN = 300_000
 _ALL = 1 - 1e-9
 
@@ -56,32 +56,30 @@ def calibrate_task(
     store: str | PathLike[str] | None = None,
     progress: bool = True,
 ) -> TaskCalibration:
-    """Return limits for a task that a right solution hardly ever misses, from runs of right ones.
+    """Return limits for a task that a right solution hardly ever misses.
 
     Parameters
     ----------
     task : Task
-        The task.
-    solutions : iterable of Solution, optional
-        Right ones, the first of them the reference, one at least of another kind; and wrong ones,
-        among them ``naive``. Default: those that ship with robsim.
+        Right solutions, first the reference, and at least one of another kind; and wrong
+        solutions with ``naive`` among them. Default: robsim's own.
     false_fail : float
-        The probability with which a solution as right as these has less than full points in a
-        test, all its scores together, at most.
+        The maximum probability with which a solution as right as these has less than full points
+        in a test, all its scores together.
     confidence : float
-        The probability that it is not more often.
+        The probability that `false_fail` holds.
     tests : int, optional
-        Number of tests of each right solution; more make narrower limits. Default: the fewest
-        that it takes: 299 for 1 %.
+        Number of tests of each right solution; more make narrower limits. Default: the minimum,
+        299 for 1 %.
     provisional : bool
-        Estimate limits from 40 tests of right solutions and a few of wrong ones. They take a tenth
+        Estimate limits from 40 tests of right solutions and a few of wrong ones, in a tenth
         to a quarter of the time.
     seed : int
-        What all seeds of the runs come from: no student should know it.
+        The seed from which all seeds of the runs are derived: keep it secret from students.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
-        What runs, as for `robsim.campaign`.
+        The executor of the runs, as for `robsim.campaign`.
     store : path, optional
-        Folder for the runs: the same call continues an ended one. Exact limits continue with the
+        Folder for the runs: the same call continues a cancelled one. Exact limits reuse the
         runs of provisional ones.
     progress : bool
         Show progress bars.
@@ -89,7 +87,7 @@ def calibrate_task(
     Returns
     -------
     TaskCalibration
-        The limits, and what each solution comes to by them.
+        The limits, and the marks of each solution by these limits.
 
     Raises
     ------
@@ -98,10 +96,10 @@ def calibrate_task(
 
     Notes
     -----
-    A test is M runs, as many as the task has. See `limits_from` for how limits come from tests.
-    They are tolerance bounds, which hold whatever the distribution of the scores is: `bound_rank`.
-    Provisional ones are an estimate of these: tests are drawn with replacement from the few runs.
-    It knows nothing of events that are rarer than these runs.
+    A test is M runs, the task's number. See `limits_from` for the limits from tests. They are
+    tolerance bounds, valid for any distribution of the scores: `bound_rank`. Provisional limits are
+    an estimate: their tests are drawn with replacement from a few runs. The estimate does not
+    include events that are rarer than these runs.
     """
     chosen = _chosen(task, solutions)
     count, rank = _count_and_rank(false_fail, confidence, tests)
@@ -157,13 +155,12 @@ def _tested(
     rank: int,
     drawn: Callable[[Task, Runs, Runs], Sets] | None = None,
 ) -> tuple[dict[str, Sets], dict[str, ScoreLimit]]:
-    """Return the tests of each solution, and the limits: provisional ones, if tests are `drawn`."""
+    """Return the tests of each solution, and the limits; `drawn` tests = provisional limits."""
     right = play([one for one in chosen if one.is_right], tests, "right")
     for name, runs in right.items():
         if runs.failed.any():
             raise ValueError(
-                f"the right solution {quoted(name)} must not fail, but so it did: "
-                f"{runs.first_error}"
+                f"the right solution {quoted(name)} must not fail, but it did: {runs.first_error}"
             )
     of_right, pilot = (sets_of, PILOT_TESTS) if drawn is None else (drawn, tests)
     sets = {name: of_right(task, runs, right[REFERENCE]) for name, runs in right.items()}
@@ -183,7 +180,7 @@ def _tested(
 
 
 def is_needed(task: Task, sets: Sets, limits: Mapping[str, ScoreLimit]) -> bool:
-    """Whether a wrong solution passes tests, or its median is where points end."""
+    """Whether a wrong solution passes tests, or its median determines the zero of a score."""
     if not sets.through.any():
         return False
     medians = np.nanmedian(sets.statistics, axis=0)
@@ -218,8 +215,8 @@ def check_solutions(chosen: Sequence[Solution]) -> None:
     right = [one.name for one in chosen if one.is_right]
     if len(right) < 2 or right[0] != REFERENCE:
         raise ValueError(
-            f"solutions must have right ones: first {REFERENCE!r}, and another that is as good but "
-            f"made otherwise, since nobody is as good as a reference on its own runs; "
+            f"solutions must have right ones: first {REFERENCE!r}, and another of equal quality "
+            f"but different design, because the reference fits its own runs best; "
             f"got {quoted(right)}"
         )
     wrong = [one.name for one in chosen if not one.is_right]
@@ -268,7 +265,7 @@ def calibration_seconds(
     wrong = len(chosen) - len(right)
     tests = (PILOT_TESTS + count) * len(right) + WRONG_TESTS * wrong
     if provisional:
-        more = (MORE_TESTS - FIRST_TESTS) * len(task.scores) / 2  # where points of a score end
+        more = (MORE_TESTS - FIRST_TESTS) * len(task.scores) / 2  # at the zeros of the scores
         tests = RIGHT_TESTS * len(right) + FIRST_TESTS * wrong + round(more)
     seconds = float(np.mean([runs.seconds for runs in first.values()]))
     return seconds * tests * task.runs / processes

@@ -1,4 +1,4 @@
-"""`TaskCalibration`: limits, what they rest on, and what each solution comes to by them."""
+"""`TaskCalibration`: limits, their basis, and the marks of each solution by these limits."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import Solution
 
 FORMAT = 1
-#: A wrong solution should fail at least so often, and have no more than that part of the points.
+#: Minimum share of tests that a wrong solution should fail, and its maximum part of the points.
 POWER, MOST_OF_WRONG = 0.95, 0.5
 
 
@@ -34,7 +34,7 @@ _PROVISIONAL = {
 
 @dataclass(frozen=True, kw_only=True)
 class SolutionMarks:
-    """What a solution comes to in many tests.
+    """The marks of a solution in many tests.
 
     Attributes
     ----------
@@ -43,13 +43,13 @@ class SolutionMarks:
     is_right : bool
         Whether it should have full points.
     tests : int
-        How many tests were done, each on fresh runs.
+        The number of tests, each on fresh runs.
     failing : int
-        In how many of them it had less than full points.
+        The number of tests with less than full points.
     points : float
-        The median of what it got, 0..1.
+        The median of its points, 0..1.
     statistics : mapping of str to float
-        The median of each score's statistic; None = no run came through.
+        The median of each score's statistic; None = all runs failed.
     """
 
     name: str
@@ -61,47 +61,47 @@ class SolutionMarks:
 
     @property
     def rate(self) -> float:
-        """The share of tests in which it had less than full points."""
+        """The share of tests with less than full points."""
         return self.failing / self.tests
 
     @property
     def rate_interval(self) -> tuple[float, float]:
-        """The 95 % interval of the probability of that."""
+        """The 95 % interval of the probability of less than full points."""
         return share_interval(self.failing, self.tests)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TaskCalibration(Report):
-    """Limits of a task, so that right solutions hardly ever fail, and what they rest on.
+    """Limits of a task that right solutions hardly ever miss, and their basis.
 
     Attributes
     ----------
     task : str
         The kind of task.
     parameters : mapping of str to value
-        What was set of it.
+        Its parameters.
     limits : mapping of str to ScoreLimit
         The limits of its scores, by name.
     false_fail : float
-        The probability with which a right solution has less than full points, at most.
+        The maximum probability with which a right solution has less than full points.
     confidence : float
-        The probability that this is so: it is wrong for one calibration in 20, with 0.95.
+        The probability that `false_fail` holds: with 0.95, 1 of 20 calibrations is wrong.
     tests : int
-        Tests of each right solution from which the size of the limits comes.
+        Tests of each right solution that determine the size of the limits.
     pilot_tests : int
-        Those before, from which their shape comes: how one score's limit is to another's.
+        Earlier tests that determine their shape: the ratios between the scores' limits.
     rank : int
-        The limits are as large as that many of `tests` reach: 1 = the largest; 0 = they are
-        estimated from few tests.
+        The number of `tests` that reach the limits: 1 = only the largest; 0 = an estimate from
+        few tests.
     seed : int
         The seed of all runs.
     task_digest, solutions_digest : str
-        What tells the task, and the solutions, from others.
+        Digests that identify the task and the solutions.
     versions : mapping of str to str
-        What it was computed with.
+        The software versions of the computation.
     solutions : tuple of SolutionMarks
-        What each solution comes to by these limits, in the same tests: the right ones in those that
-        the limits come from.
+        The marks of each solution by these limits, in the same tests. The right solutions' tests
+        are the basis of the limits.
     provisional : str
         The source of provisional limits: ``"shipped task"`` or ``"few tests"``; "" = the limits are
         exact.
@@ -133,7 +133,7 @@ class TaskCalibration(Report):
         )
 
     def for_task(self, task: Task, solutions: Iterable[Solution]) -> TaskCalibration:
-        """Return it as provisional limits of another task of its kind."""
+        """Return a copy as provisional limits of another task of its kind."""
         check_task(task)
         of_solutions = solutions_digest(check_kinds("solutions", solutions, Solution))
         return replace(
@@ -157,17 +157,17 @@ class TaskCalibration(Report):
 
     @property
     def title(self) -> str:
-        """What is calibrated."""
+        """The name of the task."""
         return f"Limits of the task {quoted(self.task)}, for {self.parameters['runs']} runs a test"
 
     @property
     def verdict(self) -> str:
-        """Whether wrong solutions are told from right ones."""
+        """Whether wrong solutions fail."""
         return "some wrong solutions pass" if self.missed else "wrong solutions fail"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The promise, and how it is kept."""
+        """The promise, and the result of the tests."""
         return (
             Quantity("false_fail", "right ones fail, at most", self.false_fail, "", percent),
             Quantity("confidence", "confidence", self.confidence, "", percent),
@@ -178,12 +178,12 @@ class TaskCalibration(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The limits, and what the solutions come to."""
+        """The limits, and the marks of the solutions."""
         of_limits = [
             Column("full", "full points up to", ""),
             Column("zero", "none from", ""),
             Column("low", "full points down to", ""),
-            Column("low_zero", "none from there down", ""),
+            Column("low_zero", "no points from there down", ""),
         ]
         limits = [Row(name, [*vars(limit).values()]) for name, limit in self.limits.items()]
         of_solutions = [
@@ -206,7 +206,7 @@ class TaskCalibration(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the numbers are, and what is not told apart."""
+        """Notes on the numbers and on wrong solutions that pass."""
         remarks = [
             "a test fails if it has less than full points; points and scores are medians over tests"
         ]
@@ -215,8 +215,8 @@ class TaskCalibration(Report):
         if self.missed:
             names = listed(quoted(one.name) for one in self.missed)
             remarks.append(
-                f"not told from right in {percent(POWER, 0)} of the tests: {names}; more runs a "
-                "test, or longer ones, tell more"
+                f"wrong, but fail in less than {percent(POWER, 0)} of the tests: {names}; use "
+                " more runs per test, or longer runs"
             )
         if self.near:
             remarks.append(
@@ -226,14 +226,14 @@ class TaskCalibration(Report):
         return tuple(remarks)
 
     def stale(self, task: Task, solutions: Iterable[Solution] | None = None) -> str | None:
-        """Return in a sentence why it is to be done again for a task; None = it need not.
+        """Return the reason in a sentence if a task needs a new calibration; None = up to date.
 
         Parameters
         ----------
         task : Task
             The task.
         solutions : iterable of Solution, optional
-            The right and the wrong ones. Default: those that ship with robsim.
+            The right and the wrong ones. Default: robsim's own.
 
         Raises
         ------
@@ -245,23 +245,23 @@ class TaskCalibration(Report):
             "solutions", task.solutions if solutions is None else solutions, Solution
         )
         if task_digest(task) != self.task_digest:
-            return "the task is not the one that it was calibrated for: calibrate again"
+            return "the task differs from the calibrated one: calibrate again"
         if solutions_digest(chosen) != self.solutions_digest:
-            return "the solutions are not those that it was calibrated with: calibrate again"
+            return "the solutions differ from the calibrated ones: calibrate again"
         return None
 
     def as_record(self) -> dict[str, Any]:
-        """Return it as plain data, as a file has it."""
+        """Return the calibration as plain data for a file."""
         return {"format": FORMAT} | asdict(self)
 
     @classmethod
     def from_record(cls, record: Any) -> TaskCalibration:
-        """Return what `as_record` returned.
+        """Return the calibration from the result of `as_record`.
 
         Raises
         ------
         ValueError
-            If it is something else.
+            If the record has another content.
         """
         if not isinstance(record, Mapping) or record.get("format") != FORMAT:
             raise ValueError(f"no calibration of format {FORMAT}, got {quoted(record)}")
@@ -280,7 +280,7 @@ def _percents(shares: tuple[float, float]) -> str:
 
 
 def task_digest(task: Task) -> str:
-    """Return what tells a task from others whose runs have other numbers."""
+    """Return a digest of the properties that affect the numbers of the task's runs."""
     return _digest(
         {
             "task": task.name,
@@ -293,7 +293,7 @@ def task_digest(task: Task) -> str:
 
 
 def solutions_digest(solutions: Iterable[Solution]) -> str:
-    """Return what tells some solutions from others."""
+    """Return a digest of solutions."""
     return _digest(
         [
             [one.name, one.is_right, {name: _lines(text) for name, text in one.files.items()}]
@@ -303,7 +303,7 @@ def solutions_digest(solutions: Iterable[Solution]) -> str:
 
 
 def _lines(source: bytes) -> list[str]:
-    return source.decode(errors="replace").splitlines()  # whatever ends them on a system
+    return source.decode(errors="replace").splitlines()  # the line ends depend on the system
 
 
 def _digest(data: Any) -> str:
@@ -328,14 +328,14 @@ def read_calibrations(file: Path) -> dict[str, TaskCalibration]:
     try:
         records = json.loads(file.read_text(encoding="utf-8"))
         if not isinstance(records, dict):
-            raise ValueError("it must have names and calibrations")
+            raise ValueError("expected a table of calibrations by name")
         return {name: TaskCalibration.from_record(record) for name, record in records.items()}
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{one_line(file)} has no calibrations: {error}") from None
 
 
 def write_calibrations(file: Path, calibrations: Mapping[str, TaskCalibration]) -> None:
-    """Write calibrations by name, as JSON; readers never get half of the file."""
+    """Write calibrations by name as JSON, atomically for readers."""
     records = {name: calibration.as_record() for name, calibration in calibrations.items()}
     write_whole(file, (json.dumps(records, indent=1, allow_nan=False) + "\n").encode())
 

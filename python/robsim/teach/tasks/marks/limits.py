@@ -12,14 +12,14 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.marks.sets import Sets
 from robsim.teach.tasks.score import ScoreLimit
 
-#: No limit is nearer to the reference: what is right may be rounded otherwise.
+#: The minimum limit relative to the reference: right solutions may round differently.
 _LEAST_MARGIN = 1.01
-#: No unit is smaller: a score that hardly ever differs would scale the limits of all others when it
-#: once does.
+#: The minimum unit: a score that hardly ever differs would else scale the limits of all others by
+#: its rare differences.
 _LEAST_UNIT = 1.1
-#: Between full points and none lies this factor at least.
+#: The minimum ratio between the limits of no points and full points.
 NEAREST = 1.5
-#: So that the test that a limit comes from does not miss it by rounding.
+#: A margin, so that rounding cannot fail the test that determines a limit.
 _ROUNDED = 1 + 1e-9
 
 
@@ -32,21 +32,20 @@ def limits_from(
 ) -> dict[str, ScoreLimit]:
     """Return the limits of a task's scores from the tests of right and of wrong solutions.
 
-    Of each score a test has a statistic s, see `Score.statistic`. What can be too large is log s,
-    and, where it is consistency, -log s, too; how much these differ among right solutions is not
-    the same. So from the tests before, each gets a unit d: three standard deviations above its
-    mean, for the solution for which that is largest, and log 1.1 at least.
+    In a test, each score has a statistic s, see `Score.statistic`. A score can be too large by
+    log s and, for a consistency, also by -log s; their spread among right solutions differs. So
+    the pilot tests give each a unit d: three standard deviations above its mean, for the solution
+    with the largest value, and at least log 1.1.
 
-    In the others a test is as far off as its worst score, e = max(log s / d). The limits are exp(c
-    d), with one c for all: the r-th largest e of the tests of a solution, for the solution for
-    which that is largest. So the bound holds for all scores together, however they depend on each
-    other. No limit is below 1.01.
+    Another test is as far off as its worst score, e = max(log s / d). The limits are exp(c d), with
+    one c for all: the r-th largest e of a solution's tests, for the solution with the largest. So
+    the bound holds for all scores together, even for dependent ones. No limit is below 1.01.
 
-    No points are given from the smallest median beyond the limit that a wrong solution has, and
-    nowhere before 1.5 times the limit. Of a score of kind ``"lost"`` none are given where half as
-    many steps are right as of the reference: what does not answer cannot be controlled by.
+    A score gives no points from the smallest median of a wrong solution beyond the limit, but
+    always some below 1.5 times the limit. A score of kind ``"lost"`` gives none if the right steps
+    are half of the reference's: a controller cannot act without an answer.
     """
-    # (solutions, tests, tails): what can be too large
+    # (solutions, tests, tails): the logarithms that can be too large
     tails = np.stack([_tails(task, one.statistics) for one in right])
     before = tails[:, :pilot]
     least = math.log(_LEAST_MARGIN)
@@ -73,13 +72,13 @@ def limits_from(
 
 
 def _zero(full: float, medians: Iterable[float]) -> float:
-    """Return from where on there are no points: at the smallest median beyond the limit."""
+    """Return the statistic without points: the smallest median beyond the limit."""
     beyond = [median for median in medians if median > full]
     return float(max(min(beyond, default=0.0), NEAREST * full))
 
 
 def _tails(task: Task, statistics: Floats) -> Floats:
-    """Return log s of each score, and -log s where it can be too small."""
+    """Return log s of each score, and -log s if a score can be too small."""
     columns = []
     for index, score in enumerate(task.scores):
         logs = np.log(statistics[:, index])
@@ -109,7 +108,7 @@ def bound_rank(n: int, exceeded: float, confidence: float) -> int:
 
     fewest = fewest_values(exceeded, confidence)
     if n < fewest:
-        raise ValueError(f"it takes at least {fewest} values, got {n}")
+        raise ValueError(f"n must be at least {fewest} values, got {n}")
     rank = 1
     # bdtrc(r, n, p) = P(X >= r + 1)
     while bdtrc(rank, n, exceeded) >= confidence:

@@ -1,4 +1,4 @@
-"""Statistics of tests that were done many times: sets of M runs, as one grades a submission by."""
+"""Statistics of many repeated tests: sets of M runs, as in the grading of a submission."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Runs:
     """The runs of a solution."""
 
     values: Floats  # (N, S): the numbers of each run, by the scores of its task
-    failed: NDArray[np.bool_]  # (N,): which did not come through
+    failed: NDArray[np.bool_]  # (N,): the runs that failed
     first_error: str = ""  # of the first failed run
     seconds: float = 0.0  # of a run, on average
 
@@ -51,8 +51,8 @@ def runs_of(
 ) -> dict[str, Runs]:
     """Run solutions of a task, all in the same runs, and return the runs of each by its name.
 
-    Each test has as many runs as the task. Known runs are not done again. Other arguments:
-    see `robsim.campaign`.
+    Each test has the task's number of runs. Known runs are not repeated. `robsim.campaign`
+    documents the other arguments.
     """
     folders = {one.name: replace(solution_folder(task, one), warns=False) for one in solutions}
     spec = CampaignSpec(
@@ -91,7 +91,7 @@ def _runs_in(result: CampaignResult, task: Task, solution: str) -> Runs:
 
 def numbers_in(result: CampaignResult, task: Task) -> Floats:
     """Return the numbers of runs (N, S), by the scores of their task."""
-    missing = np.full(len(result["error"]), np.nan)  # no column is there, where all runs failed
+    missing = np.full(len(result["error"]), np.nan)  # for a missing column, if all runs failed
     names = (f"{METRIC}_{score.name}" for score in task.scores)
     return np.stack([result[n] if n in result.columns else missing for n in names], axis=1)
 
@@ -101,7 +101,7 @@ class Sets:
     """Tests, each of M runs."""
 
     statistics: Floats  # (N, S): of each score of a test; NaN = all runs failed
-    through: Floats  # (N,): the share of its runs that came through
+    through: Floats  # (N,): the share of its completed runs
 
     def __getitem__(self, place: slice) -> Sets:
         return Sets(self.statistics[place], self.through[place])
@@ -139,7 +139,7 @@ def sets_of(task: Task, own: Runs, reference: Runs) -> Sets:
 
 
 def with_drawn(task: Task, own: Runs, reference: Runs, count: int, seed: int) -> Sets:
-    """Return the tests of runs that all came through, and more, whose runs are drawn from these."""
+    """Return the tests of completed runs, and more tests whose runs are drawn from these."""
     done = sets_of(task, own, reference)
     runs = np.random.default_rng(seed).integers(len(own.failed), size=(count, task.runs))
     numbers = zip(task.scores, own.values.T, reference.values.T, strict=True)

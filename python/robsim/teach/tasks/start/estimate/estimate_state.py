@@ -1,4 +1,4 @@
-"""Say where the robot is, and how exactly you know it. So far: keep the last measured pose."""
+"""Estimate the robot's pose and its covariance. So far: keep the last measured pose."""
 
 import numpy as np
 from task import AREA, MEASUREMENT_SIGMA
@@ -9,7 +9,7 @@ R = np.diag(np.square(MEASUREMENT_SIGMA))
 
 
 class Estimator:
-    """What is remembered from step to step."""
+    """The state between two steps."""
 
     def __init__(self):
         self.pose = (AREA[0] / 2, AREA[1] / 2, 0.0)

@@ -1,4 +1,4 @@
-"""The controller along the path: yours to write. sheet.md says what is to be done."""
+"""The controller along the path, for you to write. sheet.md describes the task."""
 
 from task import MAXIMUM_VOLTAGE, WAYPOINT_RADIUS, WAYPOINTS
 

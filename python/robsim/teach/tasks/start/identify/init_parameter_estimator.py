@@ -1,8 +1,8 @@
-"""Make the estimator of the parameters. So far: it keeps those of the model."""
+"""Make the estimator of the parameters. So far: keep the parameters of the model."""
 
 
 class Estimator:
-    """What is remembered from sample to sample."""
+    """The state between two samples."""
 
     def __init__(self, theta):
         self.theta = theta

@@ -1,4 +1,4 @@
-"""The measurement: yours to write. sheet.md says what is to be done."""
+"""The measurement, for you to write. sheet.md describes the task."""
 
 from task import MARKER_DISTANCE
 
@@ -6,7 +6,7 @@ import robsim
 
 
 def measure(step):
-    """Return where the robot is in the frame, or None if it is not to be seen."""
+    """Return the robot's pose in the frame, or None if the robot is hidden."""
     for blob in step.blobs["red"]:
         x, y = step.frame.plane_map.to_world(blob.centroid)
         if x > MARKER_DISTANCE:

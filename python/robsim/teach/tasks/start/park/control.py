@@ -1,4 +1,4 @@
-"""The controller that parks the robot: yours to write. sheet.md says what is to be done."""
+"""The controller that parks the robot, for you to write. sheet.md describes the task."""
 
 from task import GOAL, MAXIMUM_VOLTAGE
 
