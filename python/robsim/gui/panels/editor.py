@@ -1,4 +1,4 @@
-"""Opening a file of the user's in an editor, without waiting for it."""
+"""Open a user's file in an editor, without waiting for the editor."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robsim.gui._link import Refused
 
 _PLUS, _ALONE = ("+{line}", "{file}"), ("{file}",)
 _NAMED = ("--line", "{line}", "{file}")
-#: Editors with a window of their own, and how they are told the line.
+#: Editors with a window, and their arguments for the line.
 _EDITORS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(
         ("code", "code-insiders", "codium", "cursor", "windsurf"), ("--goto", "{file}:{line}")
@@ -33,13 +33,13 @@ _IN_TERMINAL = {
     "sensible-editor",
 }
 _NO_WINDOW = {"-nw", "--no-window-system", "-t", "--tty"}  # of emacs
-_started: list[subprocess.Popen[bytes]] = []  # they outlive a panel
+_started: list[subprocess.Popen[bytes]] = []  # processes outlive a panel
 
 
 def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
-    """Open a file in ``$VISUAL`` or ``$EDITOR``, or the system's editor, none in a terminal.
+    """Open a file in ``$VISUAL``, ``$EDITOR`` or the system's editor, but never in a terminal.
 
-    Return the process; None = it cannot be watched. `Refused` if there is no editor.
+    Return the process; None = the process is unknown. `Refused` if there is no editor.
     """
     command = _users_editor(file, line) or _systems_editor(file)
     if command is None and sys.platform == "win32":
@@ -47,7 +47,7 @@ def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
         return None
     if command is None:
         raise Refused(
-            "no editor with a window is known here: set VISUAL to one, such as code or gedit, "
+            "no editor with a window was found: set VISUAL, for example to code or gedit, "
             f"before you start Python, or open {file} yourself"
         )
     _started[:] = [editor for editor in _started if editor.poll() is None]
@@ -72,7 +72,7 @@ def _users_editor(file: Path, line: int) -> list[str] | None:
         except ValueError:
             continue
         program = shutil.which(words[0]) if words else None
-        # A batch file would be read by a shell, which takes a file's name for more than that.
+        # A shell would read a batch file, and may take a file's name for a command.
         if program is None or program.lower().endswith((".cmd", ".bat")):
             continue
         name = Path(words[0]).stem.lower()
@@ -98,14 +98,14 @@ def _systems_editor(file: Path) -> list[str] | None:
 
 
 def lab_link(file: Path) -> str | None:
-    """Return where JupyterLab shows a file, as the path of a URL; None = it does not."""
+    """Return the JupyterLab address of a file, as the path of a URL; None = not available."""
     server = _server()
     if server is None:
         return None
     root, base_url = server
     try:
         inside = file.resolve().relative_to(root)
-    except ValueError:  # a file outside of what the server shows
+    except ValueError:  # a file outside of the server's folder
         return None
     return f"{base_url}lab/tree/{quote(inside.as_posix())}"
 

@@ -36,16 +36,16 @@ Handlers = Mapping[str, Callable[[Link, dict[str, Any]], None]]
 
 
 class Part:
-    """A part of the panel: what it tells the browsers, and does when they ask.
+    """A part of the panel: sends messages to the browsers and handles theirs.
 
-    All its methods are called in the thread of the view, but for `take` and `close`.
+    All methods run in the thread of the view, except `take` and `close`.
     """
 
     def __init__(self, panel: PanelView) -> None:
         self.panel = panel
 
     def handlers(self) -> Handlers:
-        """Return what it does with messages, by their type."""
+        """Return the handlers of messages, by message type."""
         return {}
 
     def setup(self) -> dict[str, Any]:
@@ -57,16 +57,16 @@ class Part:
         return {}
 
     def greet(self, link: Link) -> None:
-        """Tell a new view what is in neither of them."""
+        """Send a new view the data missing from ``setup`` and ``state``."""
 
     def take(self, step: Step) -> None:
-        """Take what it wants of a step that is over; in the thread of the run, so be quick."""
+        """Copy the required data of a finished step; in the thread of the run, so be quick."""
 
     def changed(self) -> None:
         """Note that the state of the run has changed: paused, failed, reset and so on."""
 
     def look(self, now: float) -> float:
-        """Do what is due; return when to look again, by the monotonic clock."""
+        """Do the due work; return the time of the next look, by the monotonic clock."""
         return math.inf
 
     def change(
@@ -79,7 +79,7 @@ class Part:
     ) -> None:
         """Change something between two steps, report the outcome, and call `changed`.
 
-        An error is a note with the fields `where`; `plain` ones need no name of their class.
+        An error is a note with the fields `where`; a `plain` error omits the class name.
         """
 
         def done(future: Future[list[str]]) -> None:
@@ -97,11 +97,11 @@ class Part:
         future.add_done_callback(lambda future: self.panel.post(lambda: done(future)))
 
     def close(self, timeout: float) -> None:
-        """Wait for what is computed or drawn for it (s), once the view has ended; any thread."""
+        """Wait for computations and drawings (s) after the end of the view; any thread."""
 
 
 def data(value: Any) -> Any:
-    """Return data as JSON has them; their owner checks more."""
+    """Return data in the form of JSON; the owner of the data checks more."""
     with suppress(RecursionError, ValueError):
         if len(json.dumps(value, allow_nan=False)) <= _MOST_DATA:
             return value

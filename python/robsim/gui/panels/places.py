@@ -1,4 +1,4 @@
-"""Where the code of a slot stands."""
+"""The place of a slot's code: file and line."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _MOST_TEXT = 200_000  # characters that a browser is sent
 
 @dataclass(frozen=True)
 class Place:
-    """Where the user's code of a slot stands."""
+    """The place of a user's code for a slot."""
 
-    file: Path | None  # None = it stands in none, as in a cell
+    file: Path | None  # None = no file, such as in a cell
     line: int | None  # number of its first line
 
 
 def name_in(runner: Simulation | Experiment, slot: str) -> str | None:
-    """Return what the callback in a slot is called; None = the stage is off."""
+    """Return the name of the callback in a slot; None = the stage is off."""
     value, row = runner._callbacks[slot], SLOTS[slot]
     if value is False or (value is None and row.is_optional):
         return None
@@ -38,7 +38,7 @@ def name_in(runner: Simulation | Experiment, slot: str) -> str | None:
 
 
 def place_in(runner: Simulation | Experiment, slot: str) -> Place:
-    """Return where the user's code of a slot stands; a folder's file also while it is off."""
+    """Return the place of the user's code of a slot; also a folder's file that is off."""
     value = runner._callbacks[slot]
     line = users_line_of_callable(value) if is_code(value) else None
     if (file := _file_in_folder(runner, slot)) is not None:
@@ -52,8 +52,8 @@ def place_in(runner: Simulation | Experiment, slot: str) -> Place:
 def source_in(runner: Simulation | Experiment, slot: str) -> tuple[str, int]:
     """Return the text of a slot and the number of its first line.
 
-    A file of a folder is shown as a whole, other code of the user's from where it begins. For what
-    comes with robsim there is an example to begin with. OSError if a file cannot be read.
+    A file of a folder is shown as a whole, other user code from its first line. Defaults of robsim
+    show an example instead. OSError if a file cannot be read.
     """
     value = runner._callbacks[slot]
     if (file := _file_in_folder(runner, slot)) is not None:
@@ -68,7 +68,7 @@ def source_in(runner: Simulation | Experiment, slot: str) -> tuple[str, int]:
 def _code_of(value: Callable[..., Any]) -> tuple[str, int]:
     value = inspect.unwrap(inner_of(value))
     is_object = not (inspect.isroutine(value) or inspect.isclass(value))
-    # Of a class in a cell Python knows the methods alone.
+    # For a class in a cell, Python knows only the methods.
     for code in (type(value), type(value).__call__) if is_object else (value,):
         try:
             lines, first = inspect.getsourcelines(code)

@@ -1,4 +1,4 @@
-"""What the panel shows: a run under way, or one that was saved; its steps and their frames."""
+"""The panel's data: a run under way or a saved run, with its steps and frames."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ from robsim.trace.sessions.session import Session
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.lookup import as_robot
 
-_REOPEN = 1.0  # s, after which a session is looked at again for what has been written since
+_REOPEN = 1.0  # s between two looks for new data in a session
 
 
 class Record(ABC):
     """The steps that the panel shows."""
 
     source: ClassVar[str]  # "simulation", "experiment" or "trace"
-    reads_in_run: ClassVar[bool] = True  # whether `frame` is for the thread of the run alone
+    reads_in_run: ClassVar[bool] = True  # whether only the run's thread may call `frame`
     remarks: tuple[str, ...] = ()  # for the user
     area: tuple[int, int]
     colors: tuple[ColorClass, ...]
@@ -53,42 +53,42 @@ class Record(ABC):
     @property
     @abstractmethod
     def title(self) -> str:
-        """What it is, in a few words."""
+        """A short description."""
 
     @property
     @abstractmethod
     def trace(self) -> Trace:
-        """The steps by now; any thread may ask."""
+        """The steps so far; any thread may read this."""
 
     @property
     @abstractmethod
     def n_steps(self) -> int:
-        """Number of steps; any thread may ask."""
+        """The number of steps; any thread may read this."""
 
     @property
     def n_resets(self) -> int:
-        """The number of resets; any thread may ask, before it looks at the steps."""
+        """The number of resets; any thread may read this, before the steps."""
         return 0
 
     @abstractmethod
     def columns(self) -> Mapping[str, Floats]:
-        """Return the groups of columns of the trace by now; any thread may ask."""
+        """Return the current groups of columns of the trace; any thread may call this."""
 
     @property
     @abstractmethod
     def has_own_measure(self) -> bool:
-        """Whether a callback of the user's measures the pose."""
+        """Whether a callback of the user measures the pose."""
 
     @property
     def has_frames_once(self) -> bool:
-        """Whether the frame of a step cannot be had again for certain, once it is over."""
+        """Whether the frame of a past step may be unavailable."""
         return False
 
     @abstractmethod
     def frame(self, k: int) -> Frame | None:
-        """Return the frame of a step; None if none came. LookupError if it is not there any more.
+        """Return the frame of a step; None without a frame, LookupError if it is lost.
 
-        In the thread of the run, unless `reads_in_run` is false.
+        Call this in the thread of the run, unless `reads_in_run` is false.
         """
 
     @abstractmethod
@@ -97,11 +97,11 @@ class Record(ABC):
 
     @property
     def trouble(self) -> Exception | None:
-        """The first error of a session that is recorded."""
+        """The first error while recording a session."""
         return None
 
     def shot(self, step: Step) -> Shot:
-        """Return what is shown of the newest step; in the thread of the run."""
+        """Return the picture data of the newest step; in the thread of the run."""
         return past_shot(self, step.k, step.frame)
 
     def time_of(self, k: int) -> float:
@@ -110,7 +110,7 @@ class Record(ABC):
         return float(columns["t"][k, 0]) if "t" in columns else k * self.trace.info.dt
 
     def step(self, k: int, frame: Frame | None) -> Step:
-        """Return a step that is over, with what the trace has of it."""
+        """Return a past step with its data from the trace."""
         columns = self.columns()
 
         def row(name: str) -> list[float] | None:
@@ -136,7 +136,7 @@ class Record(ABC):
         )
 
     def described(self) -> dict[str, Any]:
-        """Return what the message ``setup`` says of it."""
+        """Return its fields of the message ``setup``."""
         info, columns = self.trace.info, self.columns()
         theta = np.ravel(info.theta_true)
         return {
@@ -151,7 +151,7 @@ class Record(ABC):
         }
 
     def _groups(self) -> list[str]:
-        """Return the groups of columns that its trace has or can get."""
+        """Return the groups of columns that the trace has or may get."""
         of_colors = (f"blobs_{color.name}" for color in self.colors)
         return [*dict.fromkeys((*GROUPS, *of_colors, *self.columns()))]
 
@@ -169,7 +169,7 @@ class RunRecord(Record):
         self.look_again()
 
     def look_again(self) -> None:
-        """Take over another robot, other colours or another area that the run has got."""
+        """Take over a changed robot, changed colours or a changed area of the run."""
         runner = self._runner
         self.area = runner.area
         self.colors, self.markers = runner.colors, runner.markers
@@ -221,17 +221,17 @@ class SimulationRecord(RunRecord):
 
 
 class ExperimentRecord(RunRecord):
-    """The steps of an experiment, whose frames are read again, if they can be."""
+    """The steps of an experiment, whose frames are read again if possible."""
 
     source = "experiment"
     reads_in_run = False  # the run may wait for a frame of the camera
     _runner: Experiment
-    _session: Session | None = None  # the recorded one, as far as it was read
+    _session: Session | None = None  # the recorded session, as far as it was read
     _opened = -math.inf
 
     @property
     def has_frames_once(self) -> bool:
-        return not self._runner._source.can_read_again  # a session is written a moment later
+        return not self._runner._source.can_read_again  # writing a session takes a moment
 
     @property
     def trouble(self) -> Exception | None:
@@ -249,7 +249,7 @@ class ExperimentRecord(RunRecord):
         if self._session is None or (k >= len(self._session) and now > self._opened + _REOPEN):
             self._session, self._opened = Session(path), now
         if k >= len(self._session):
-            raise LookupError("it is not written yet")
+            raise LookupError("the frame is not written yet")
         return self._session._at(k).frame
 
 
@@ -302,7 +302,7 @@ class SavedRecord(Record):
 
     def frame(self, k: int) -> Frame | None:
         if self._read is None:
-            raise LookupError("a trace of a real run has no frames: open the session")
+            raise LookupError("a trace of a real run has no frames; open the session instead")
         return self._read(k)
 
     def find_blobs(self, frame: Frame) -> Mapping[str, list[Blob]]:
@@ -323,14 +323,14 @@ class SavedRecord(Record):
         self._read = lambda k: session._at(k).frame
 
     def _use_scenario(self) -> None:
-        """Take robot and world from the scenario; it is never run, only drawn."""
+        """Take robot and world from the scenario; the scenario only draws, and never runs."""
         info = self._trace.info
         scenario = info.scenario
         if isinstance(scenario, str):
             scenario = Scenario.from_toml(scenario)
         simulation = Simulation(scenario)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of markers too small and the like, said in the run
+            warnings.simplefilter("ignore")  # such as for small markers: the run has shown them
             simulation._start()
         self._use_robot(simulation.robot)
         self.colors, self.markers = simulation.colors, simulation.markers

@@ -24,7 +24,7 @@ _KINDS: dict[str, type] = {
     **{"format": str, "scenario": str, "slots": list, "files": dict, "changes": list},
     **{"steps": int, "digest": str},
 }
-_MESSAGES = ("set", "go_to", "path")  # of the browser, that change a run
+_MESSAGES = ("set", "go_to", "path")  # of the browser, which change a run
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class ReplayFile:
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> ReplayFile:
-        """Read a file; nothing in it runs. ValueError: it is damaged."""
+        """Read a file without running its code. ValueError: the file is damaged."""
         file = as_path(path)
         try:
             return cls.of_text(read_text(file, _MOST_BYTES))
@@ -53,14 +53,14 @@ class ReplayFile:
 
     @classmethod
     def of_text(cls, text: str) -> ReplayFile:
-        """Parse a text; a ValueError says why `load` refuses it."""
+        """Parse a text; a ValueError gives the reason for a refusal."""
         if len(text) > _MOST_BYTES:
-            raise ValueError(f"it has more than {_MOST_BYTES >> 20} MB")
+            raise ValueError(f"the file has more than {_MOST_BYTES >> 20} MB")
         told = parse_json(text)
         if not isinstance(told, dict) or told.get("format") != FORMAT:
-            raise ValueError("it is no replay file of this version")
+            raise ValueError("not a replay file of this version")
         if told.keys() != _KINDS.keys() or any(type(told[n]) is not k for n, k in _KINDS.items()):
-            raise ValueError("it lacks a part")
+            raise ValueError("a part is missing")
         found = cls(**told)
         found._check()
         return found
@@ -68,15 +68,15 @@ class ReplayFile:
     def _check(self) -> None:
         ks = [self._checked_change(change)[0] for change in self.changes]
         if self.steps > _MOST_STEPS:
-            raise ValueError(f"it has more than {_MOST_STEPS} steps")
+            raise ValueError(f"the run has more than {_MOST_STEPS} steps")
         if self.steps < 0 or ks != sorted(ks) or ks[-1:] > [self.steps]:
-            raise ValueError("its steps are in no order")
+            raise ValueError("the steps are not in order")
         sources = [self.files, *(told for *_, told in self.changes if "type" not in told)]
         for name, text in (item for files in sources for item in files.items()):
             if not (name.isidentifier() and isinstance(text, str)):  # no path, such as ../x
-                raise ValueError("its Python files have wrong names")
+                raise ValueError("invalid names of Python files")
         if any(slot not in list(SLOTS) for slot in self.slots):
-            raise ValueError("it fills unknown slots")
+            raise ValueError("unknown slots")
 
     @staticmethod
     def _checked_change(change: Any) -> tuple[int, str, dict[str, Any]]:
@@ -88,7 +88,7 @@ class ReplayFile:
 
     @property
     def code(self) -> dict[str, int]:
-        """The lines of each Python file that would run, by name, in its longest version."""
+        """The number of lines of each Python file, by name, in its longest version."""
         files = [self.files, *(told for *_, told in self.changes if "type" not in told)]
         lines: dict[str, int] = {}
         for name, text in (item for one in files for item in one.items()):

@@ -1,4 +1,4 @@
-"""The still picture: what a saved notebook keeps of the panel, and a snapshot."""
+"""The still picture of a panel, for saved notebooks and snapshots."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from robsim.gui.panels.part import Part
 from robsim.gui.panels.run.camera import Shot
 
 _GAP = 15.0  # s between two pictures while it runs
-_REST = 0.5  # s after a step, since whoever steps on and on is not to wait for pictures
+_REST = 0.5  # s after a step, so that repeated steps do not wait for pictures
 
 
 class Still(Part):
-    """Draws the panel, and gives the picture to the lines that keep one after each pause.
+    """Draws the panel, and sends the picture after each pause to links that keep one.
 
-    It also does so now and then while the run continues. That takes a second or so, in a separate
-    thread: meanwhile the panel answers.
+    During a run it also draws at intervals. Drawing takes about a second in a separate
+    thread: the panel remains responsive.
     """
 
     _shot: Shot | None = None  # of the last step while nothing runs
     _due = math.inf
-    _next = -math.inf  # when one may be taken of a run
+    _next = -math.inf  # when the next picture during a run is due
     _thread: threading.Thread | None = None
 
     def take(self, step: Step) -> None:
@@ -45,7 +45,7 @@ class Still(Part):
         return self._due
 
     def picture(self) -> bytes:
-        """Draw the panel as it is now (PNG); any thread may ask."""
+        """Draw the panel in its current state (PNG); any thread may call this."""
         driver = self.panel.driver
         if not (self.panel.record.n_steps or driver.is_here):
             driver.prepare()
@@ -56,7 +56,7 @@ class Still(Part):
             self._thread.join(timeout)
 
     def _newest(self) -> Shot | None:
-        with suppress(Exception):  # a start that fails is told by the run
+        with suppress(Exception):  # the run reports a failed start
             return self.panel.record.shot(self.panel.runner.last_step)
         return None
 

@@ -1,4 +1,4 @@
-"""The picture of a panel, drawn by matplotlib, which takes its time to load."""
+"""The picture of a panel, drawn by matplotlib, which loads slowly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The main panel: its parts, and what they share."""
+"""The main panel: its parts, and their shared data."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ from robsim.vision.imaging.recordings import Recording
 if TYPE_CHECKING:
     from robsim.teach.tasks import Task
 
-_MOST_COMMANDS = 100  # of browsers that wait for the run, such as while a callback hangs
-_PATIENCE = 2.0  # s for a page that is loaded anew to come back
+_MOST_COMMANDS = 100  # from browsers, waiting for the run, such as while a callback hangs
+_PATIENCE = 2.0  # s for a reloaded page to reconnect
 
 Shown = Simulation | Experiment | Recording | Trace | Session
 
 
 class PanelView(View):
-    """Camera view, controls, traces and callbacks of a run, or a saved one that is played back."""
+    """Camera view, controls, traces and callbacks of a run or a saved run."""
 
     kind: ClassVar[str] = "panel"
     messages: ClassVar[Messages] = MESSAGES
@@ -62,11 +62,11 @@ class PanelView(View):
     ) -> None:
         super().__init__()
         self.goals = task.goals if goals is None and task is not None else goals
-        #: Shows the page that it was opened from, if there is one; in the thread of the view.
+        #: Returns to the start page, if the panel was opened there; in the thread of the view.
         self.go_home: Callable[[], None] | None = None
         self.runner, self.record = _runner_and_record(shown)
         self.driver = Driver(self.runner, speed=speed)
-        self._alone_at = math.inf  # when the run is paused, as nobody looks
+        self._alone_at = math.inf  # when to pause the run for lack of views
         self._was_running = self._is_change_waiting = False
         self.rows, self.past, self._result = Rows(self), Past(self), Result(self)
         self.camera, self.still, self.stuck = CameraView(self), Still(self), Stuck(self)
@@ -101,16 +101,16 @@ class PanelView(View):
         return self.driver.state == "running"
 
     def finish(self) -> None:
-        """Pause, and tell all browsers the batch estimate from what has been recorded."""
+        """Pause, and send the batch estimate of all recorded steps to all browsers."""
         paused = self.driver.pause()
         paused.add_done_callback(lambda _: self.post(self._result.tell))
 
     def estimate(self) -> BatchEstimate:
-        """Return the batch estimate from what has been recorded; ValueError if there is none."""
+        """Return the batch estimate of all recorded steps; ValueError if there is no estimate."""
         return self._result.estimate()
 
     def close(self, timeout: float = 5.0) -> bool:
-        """End the run and the panel; what is shown stays as it is. False if a callback hangs."""
+        """End the run and the panel; the page keeps its last state. False if a callback hangs."""
         has_ended = self.driver.close(timeout)
         if not has_ended and self.driver.limit is not None:
             self.driver.limit.end("the panel was closed", self.driver.limit.call)
@@ -124,10 +124,10 @@ class PanelView(View):
         super().settle()
         if not (self.is_here or self.driver.is_here):  # a callback, which the run waits for
             self.driver.ask(lambda: None)
-            super().settle()  # what the run has answered
+            super().settle()  # the answers of the run
             self.tools.settle()
             self._result.settle()
-            super().settle()  # that it has been told
+            super().settle()  # the messages about the result
 
     def is_urgent(self, message: Any) -> bool:
         return (
@@ -151,7 +151,7 @@ class PanelView(View):
         was_running, self._was_running = self._was_running, driver.state == "running"
         is_over = (was_running and not self._was_running) or driver.state == "failed"
         last = None
-        if is_over and self.record.n_steps:  # while it ran it may have been left out
+        if is_over and self.record.n_steps:  # during the run it may have been skipped
             last = self.guarded(lambda: self.runner.last_step)
         if last is None:
             self._tell_change()
@@ -159,7 +159,7 @@ class PanelView(View):
             self._take(last)
 
     def _tell_change(self) -> None:
-        if not self._is_change_waiting:  # of several changes the last one is told
+        if not self._is_change_waiting:  # one message for several changes
             self._is_change_waiting = True
             self.post(self._changed)
 
@@ -176,7 +176,7 @@ class PanelView(View):
         return due
 
     def has_room(self, factor: int = 1) -> bool:
-        """Return whether the run can take a command: not too many wait, or `factor` times that."""
+        """Return whether the run can take a command: fewer than `factor` times the limit wait."""
         return self.driver.n_waiting < factor * _MOST_COMMANDS
 
     def check_room(self, factor: int = 1) -> None:
@@ -185,7 +185,7 @@ class PanelView(View):
 
     def farewell(self, last: Link) -> None:
         last.rows = dict.fromkeys(self.record.columns(), 0)
-        if self.driver.state == "closed":  # otherwise a callback hangs, and the step is not over
+        if self.driver.state == "closed":  # otherwise a callback hangs within the step
             self.camera.renew()
 
     def tell_setup(self) -> None:
@@ -201,9 +201,9 @@ class PanelView(View):
         self.send(self._gathered("state"))
 
     def parted(self) -> None:
-        """Pause when nobody looks: soon, as a page that is loaded anew says good-bye, too.
+        """Pause without views, after a delay because a reloaded page also disconnects.
 
-        A real robot does not drive while nobody can see it and press Stop, not even for so long.
+        A real robot stops at once: without a view, the user cannot press Stop.
         """
         self._alone_at = time.monotonic() + (0.0 if self.driver.has_motors else _PATIENCE)
 
@@ -236,7 +236,7 @@ class PanelView(View):
 def _runner_and_record(shown: Shown) -> tuple[Simulation | Experiment | Playback, Record]:
     if isinstance(shown, (Simulation, Experiment)) and shown.is_running:
         raise RuntimeError(
-            "it is running already: a panel runs it itself, so wait for its end, or call stop()"
+            "the run is already running, but a panel must start it: wait for its end or call stop()"
         )
     if isinstance(shown, Simulation):
         return shown, SimulationRecord(shown)

@@ -1,1 +1,1 @@
-"""What the run has brought: traces, statistics, past steps, estimates."""
+"""The results of a run: traces, statistics, past steps, estimates."""

@@ -1,4 +1,4 @@
-"""Ghosts: other runs, which drive along in the picture and in the charts."""
+"""Ghosts: other runs, shown in the picture and in the charts of this run."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 _MOST = 3
 _MOST_STEPS = 20_000  # of each
-_REFERENCE_STEPS = (300, 3000)  # the fewest and the most: a step takes about 2 ms
+_REFERENCE_STEPS = (300, 3000)  # fewest, most: a step takes about 2 ms
 
 
 @dataclass(frozen=True, eq=False)
 class Ghost:
-    """A run that drives along: pose, and the error of its estimate or measurement."""
+    """Another run, shown in this one: its poses and the error of its estimate or measurement."""
 
     name: str
     rows: Floats  # (N, 6): px, px, rad, twice
@@ -49,12 +49,12 @@ class Ghost:
 
 
 class Ghosts(Part):
-    """Keeps up to three other runs, and tells the browsers their poses and errors."""
+    """Keeps up to three other runs, and sends their poses and errors to the browsers."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._ghosts: list[Ghost] = []
-        self._kept = 0  # runs by now, for their names
+        self._kept = 0  # runs kept so far, for their names
         self._reference = panel.beside("robsim reference")
         self._uploads = Uploads(panel.beside("robsim upload"), self._read)
 
@@ -97,12 +97,12 @@ class Ghosts(Part):
         self.panel.send(*self._told())
 
     def _drive(self, link: Link, message: dict[str, Any]) -> None:
-        """Drive the reference: the same world and seed, with robsim's stages for the user's."""
+        """Run the reference in the same world with the same seed, with robsim's stages only."""
         runner = self.panel.runner
         if not isinstance(runner, Simulation):
-            raise Refused("the reference is driven in a simulated world only")
+            raise Refused("the reference requires a simulated world")
         if self._reference.is_busy:
-            raise Refused("the reference is on its way")
+            raise Refused("the reference is already running")
         self._check_room()
         scenario = runner.scenario.to_toml()
         code = self.panel.record.trace.info.callbacks  # slots that the scenario lacks
@@ -119,7 +119,7 @@ class Ghosts(Part):
             return Ghost.of("reference", reference.run(steps))
 
         self._reference.begin(drive, self._add)
-        self.panel.note("The reference drives: it appears in a moment", "info")
+        self.panel.note("The reference is running and will appear shortly", "info")
 
     def _read(self, content: bytes, name: str) -> Callable[[], object]:
         ghost = Ghost.of(Path(name).stem, Trace._unpacked(content, name))
@@ -138,10 +138,10 @@ class Ghosts(Part):
 
     def _check_room(self) -> None:
         if len(self._ghosts) >= _MOST:
-            raise Refused(f"{_MOST} runs are kept: remove one first")
+            raise Refused(f"at most {_MOST} runs are kept; remove one first")
 
     def _add(self, ghost: Ghost | None) -> None:
-        """Add one instead of one of its name; of too many the oldest one goes."""
+        """Add a ghost; replace one with the same name, and remove the oldest of too many."""
         if ghost is None or ghost.world != _world_of(self.panel.record.trace):
             return
         others = [other for other in self._ghosts if other.name != ghost.name]
@@ -158,5 +158,5 @@ def _world_of(trace: Trace) -> tuple[tuple[int, int], float]:
 
 
 def controller_to(goals: Floats) -> GoToPoint | FollowPath:
-    """Return robsim's own controller to a position or a pose, or along waypoints."""
+    """Return robsim's own controller to a point, to a pose or along waypoints."""
     return GoToPoint(*goals[:2]) if goals.ndim == 1 else FollowPath(goals)

@@ -25,7 +25,7 @@ _MOST_NUMBERS = 6  # of an array, or keys of a dict, in its text
 _SCALARS = (bool, int, float, complex, str, bytes, np.generic)
 _CODE = (type, FunctionType, BuiltinFunctionType, MethodType, ModuleType)
 _CONTAINERS = (list, tuple, set, frozenset)
-_ROUNDED = ("number", "array", "object")  # kinds whose texts have numbers, not those of a user
+_ROUNDED = ("number", "array", "object")  # kinds whose texts contain numbers
 _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d*)?(?:e[-+]?\d+)?(?=j?(?![\w.]))")
 
 _LEAST_PIXELS, _MOST_PIXELS = 16, 480  # along a side of a picture
@@ -33,13 +33,13 @@ _LEAST_PIXELS, _MOST_PIXELS = 16, 480  # along a side of a picture
 
 @dataclass(frozen=True)
 class Missing:
-    """What stands for a value that cannot be had now."""
+    """A placeholder for a value that is unavailable now."""
 
     reason: str
 
 
 def nodes_of(value: Any) -> list[dict[str, Any]]:
-    """Return what a value holds, as nodes for the message ``tree``."""
+    """Return the children of a value, as nodes for the message ``tree``."""
     children = [*islice(_children(value), _MOST_NODES + 1)]
     nodes = [_node(name, child) for name, child in children[:_MOST_NODES]]
     if len(children) > _MOST_NODES:
@@ -49,7 +49,7 @@ def nodes_of(value: Any) -> list[dict[str, Any]]:
 
 
 def child_of(value: Any, name: str) -> Any:
-    """Return what a value holds under a name of its nodes; KeyError if there is no such node."""
+    """Return the child of a value by its node name; KeyError if the node is unknown."""
     for other, child in islice(_children(value), _MOST_NODES):
         if other == name:
             return child
@@ -57,12 +57,12 @@ def child_of(value: Any, name: str) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return the container of Python's that a value is, whatever a class of a user's overrides."""
+    """Return the plain Python container of a value, even if a user's class overrides methods."""
     return next(kind for kind in (dict, *_CONTAINERS) if _is(value, kind))
 
 
 def _is(value: Any, kinds: type | tuple[type, ...]) -> bool:
-    """Return what `isinstance` does, which would ask the object for its ``__class__``."""
+    """Return the result of `isinstance` without reading the object's ``__class__``."""
     return issubclass(type(value), kinds)
 
 
@@ -70,7 +70,7 @@ def _node(name: str, value: Any) -> dict[str, Any]:
     try:
         kind, text = _described(value)
         has_more = next(_children(value), None) is not None
-    except Exception as error:  # in the hands of the run, as an estimator during a step
+    except Exception as error:  # in use by the run, such as an estimator during a step
         kind, text, has_more = "missing", said_by(error), False
     node = {"name": name, "text": _short(text), "kind": kind, "more": has_more}
     if kind in _ROUNDED and (rounded := _NUMBER.sub(_rounded, text)) != text:
@@ -79,7 +79,7 @@ def _node(name: str, value: Any) -> dict[str, Any]:
 
 
 def _rounded(found: re.Match[str]) -> str:
-    """Return a number with 6 significant digits, and with all those before the point."""
+    """Return a number with 6 significant digits and all digits before the point."""
     digits = found[0]
     if digits.isdecimal():
         return digits
@@ -166,7 +166,7 @@ def _is_ours(value: Any) -> bool:
 
 
 def _attributes(value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield public properties of what is ours; of another object only what it stores."""
+    """Yield the public properties of robsim's objects; of other objects only stored attributes."""
     stored = _stored(value)
     if _is_ours(value):
         for name in _properties(type(value)):
@@ -199,7 +199,7 @@ def _properties(kind: type) -> list[str]:
 def _asked(value: Any, name: str) -> Any:
     try:
         return getattr(value, name)
-    except Exception as error:  # not decided yet, or in the hands of the run
+    except Exception as error:  # not decided yet, or in use by the run
         return Missing(str(error))
 
 
@@ -227,10 +227,10 @@ def picture_of(value: Any) -> tuple[dict[str, Any], bytes] | None:
 
 
 class Inspector(Part):
-    """Tells what a step holds, level by level."""
+    """Sends the contents of a step, level by level."""
 
-    _newest: tuple[int, Step] | None = None  # resets before it, and the step
-    _past: Step | None = None  # the last one that somebody asked for
+    _newest: tuple[int, Step] | None = None  # number of resets, and the step
+    _past: Step | None = None  # the last requested past step
 
     def handlers(self) -> Handlers:
         return {"inspect": self._inspect}
@@ -239,7 +239,7 @@ class Inspector(Part):
         self._newest = self.panel.record.n_resets, step
 
     def changed(self) -> None:
-        self._past = None  # after a reset it is another one
+        self._past = None  # a reset invalidates it
 
     def _inspect(self, link: Link, message: dict[str, Any]) -> None:
         newest, path, n_steps = self._newest_step(), message["path"], self.panel.record.n_steps
@@ -255,7 +255,7 @@ class Inspector(Part):
             self.panel.past.ask(k, lambda frame, _: self._tell_past(link, k, path, frame))
 
     def _newest_step(self) -> Step | None:
-        """Return the newest step; None if it is of a run before a reset, after which none came."""
+        """Return the newest step; None if no step came since the last reset."""
         n_resets, step = self._newest or (-1, None)
         return step if n_resets == self.panel.record.n_resets else None
 
@@ -266,7 +266,7 @@ class Inspector(Part):
 
 
 def _tell(link: Link, step: Step | None, path: list[str]) -> None:
-    """Send a level of the tree of a step; nothing in it if there is no such level."""
+    """Send a level of the tree of a step; an unknown level is empty."""
     value: Any = step
     try:
         for name in path:

@@ -1,4 +1,4 @@
-"""Past steps: their frames, and why no robot was found in them."""
+"""Past steps: their frames, and the reason why no robot was found."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ Then = Callable[[Frame | None, str | None], None]
 
 
 class Past(Part):
-    """Shows the frame of a past step to those who look at it: for them the newest one waits.
+    """Shows the frame of a past step to views that look at it; new frames of these views wait.
 
-    Frames of a simulation are drawn again, those of files read again. Of a camera the pictures that
-    were shown are kept, as they were sent, as long as there is room for them.
+    Frames of a simulation are drawn again, frames of files read again. For a camera, the sent
+    pictures are kept up to a limit of memory.
     """
 
     def __init__(self, panel: PanelView) -> None:
@@ -43,7 +43,7 @@ class Past(Part):
         return {"look": self._look}
 
     def keep(self, shot: Shot, pictures: Mapping[int, bytes]) -> None:
-        """Keep the largest picture of a step that was shown, if its frame cannot be had again."""
+        """Keep the largest picture of a shown step, if its frame is unavailable later."""
         if shot.frame is None or not self.panel.record.has_frames_once:
             return
         if shot.n_resets == self._n_resets:
@@ -79,7 +79,7 @@ class Past(Part):
         self._release(link)
 
     def ask(self, k: int, then: Then) -> None:
-        """Get the frame of a step; `then` is called with it, or with why there is none."""
+        """Get the frame of a step; call `then` with the frame or with the reason against it."""
         record = self.panel.record
         if record.reads_in_run:
             asked = self.panel.driver.call(lambda: record.frame(k))
@@ -99,7 +99,7 @@ class Past(Part):
             link.send({"type": "past", "k": k, "reason": f"there is no step {k}: {last}"})
         else:
             link.looking = self._wanted[link] = k
-            if isinstance(self.panel.runner, Playback):  # it goes on from there
+            if isinstance(self.panel.runner, Playback):  # it continues from there
                 self.panel.driver.call(lambda: self.panel.runner.seek(k))
 
     def _release(self, link: Link) -> None:
@@ -125,7 +125,7 @@ class Past(Part):
             head, picture = shot.head(self.panel.record.area), picture_of(frame, link.width)
         link.send_frame({**head, "past": True, "rows": []}, [picture], time.monotonic())
         if not picture:
-            link.send({"type": "past", "k": k, "reason": reason or "no frame came in this step"})
+            link.send({"type": "past", "k": k, "reason": reason or "this step has no frame"})
 
 
 def _result(frame: Callable[[], Frame | None]) -> tuple[Frame | None, str | None]:
@@ -138,7 +138,7 @@ def _result(frame: Callable[[], Frame | None]) -> tuple[Frame | None, str | None
 
 
 class KeptPictures:
-    """The newest pictures, as many as there is room for."""
+    """The newest pictures, up to a limit of memory."""
 
     def __init__(self, room: int) -> None:
         self._room = room
@@ -149,11 +149,11 @@ class KeptPictures:
         return len(self._pictures)
 
     def get(self, k: int) -> tuple[dict[str, Any], bytes] | None:
-        """Return head and picture of a step; None if they are not there, or no more."""
+        """Return head and picture of a step; None if they are missing or removed."""
         return self._pictures.get(k)
 
     def add(self, head: dict[str, Any], picture: bytes) -> None:
-        """Add those of a step; the oldest ones make room for them."""
+        """Add head and picture of a step; remove the oldest to make room."""
         self._drop(head["k"])
         self._pictures[head["k"]] = head, picture
         self._used += len(picture)

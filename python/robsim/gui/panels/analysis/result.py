@@ -1,4 +1,4 @@
-"""What Finish gives: the batch estimate as table and figure."""
+"""The result of Finish: the batch estimate as table and figure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robsim.trace import PARAMETER_NAMES, Trace
 
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
-_MOST_ROWS = 5000  # that noise and excitation are judged from
+_MOST_ROWS = 5000  # for judging noise and excitation
 
 
 class Parameters(Summary):
@@ -47,7 +47,7 @@ def _last_known(parameters: Floats) -> Floats | None:
 
 
 def excitation_of(judged: Identifiability | None) -> dict[str, Any]:
-    """Return the verdict on the excitation; its text is empty where nothing is known yet."""
+    """Return the verdict on the excitation; its text is empty while nothing is known."""
     if judged is None or np.isnan(judged.relative).all():
         return {"text": "", "good": None, "weak": []}
     poorly, not_at_all = judged.names("poorly"), judged.names("not excited")
@@ -59,7 +59,7 @@ def _excitation_text(poorly: list[str], not_at_all: list[str]) -> str:
     counts = [(len(not_at_all), "not excited"), (len(poorly), "poorly excited")]
     parts = [f"{count} {words}" for count, words in counts if count]
     if not parts:
-        return "all parameters are well excited"
+        return "all parameters are sufficiently excited"
     return f"of {len(PARAMETER_NAMES)} parameters {', '.join(parts)}: drive in another way"
 
 
@@ -68,17 +68,17 @@ Told: TypeAlias = tuple[dict[str, Any], list[bytes]]  # message and pictures
 
 
 class Result(Part):
-    """Estimates the parameters from the whole record, which takes a second or so."""
+    """Estimates the parameters from the whole record, which takes about a second."""
 
     _newest: Told | None = None
-    _seen: Steps = (0, 0)  # that it was estimated from
+    _seen: Steps = (0, 0)  # used for the estimate
     _is_wanted = False
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._beside = Beside(panel, "robsim result")
         self._estimated: tuple[Steps, BatchEstimate] | None = None
-        self._estimating = threading.Lock()  # of that
+        self._estimating = threading.Lock()  # guards the estimate
 
     def greet(self, link: Link) -> None:
         if self._newest is not None and self._seen == self._steps:
@@ -86,12 +86,12 @@ class Result(Part):
             link.send({**message, "again": True}, pictures)
 
     def tell(self) -> None:
-        """Send the estimate to all who watch, once it is made; one at a time."""
+        """Send the finished estimate to all views; one estimate at a time."""
         self._is_wanted = True
         self._begin()
 
     def estimate(self) -> BatchEstimate:
-        """Return the estimate, made once for the same steps; any thread may call this."""
+        """Return the estimate, computed once for the same steps; any thread may call this."""
         return self._estimate()[1]
 
     @property
@@ -100,7 +100,7 @@ class Result(Part):
         return record.n_resets, record.n_steps
 
     def _estimate(self) -> tuple[Steps, BatchEstimate]:
-        with self._estimating:  # which steps, too: older ones never take the place of newer ones
+        with self._estimating:  # also the steps: an older estimate never replaces a newer one
             n_resets, trace = self.panel.record.n_resets, self.panel.record.trace
             seen = n_resets, len(trace)
             if not len(trace):
@@ -110,7 +110,7 @@ class Result(Part):
             return self._estimated
 
     def settle(self) -> None:
-        """Wait until what was wanted has been estimated and drawn."""
+        """Wait until all requested estimates are computed and drawn."""
         self._beside.wait()
 
     def close(self, timeout: float) -> None:

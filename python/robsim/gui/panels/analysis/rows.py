@@ -13,12 +13,12 @@ from robsim.gui.panels.part import Handlers, Part
 
 _GAP = 0.1  # s between two updates
 _MOST_GROUPS = 100  # of columns for a line
-_MOST_BYTES = 1 << 22  # of a message: a frame waits for what was sent before it
+_MOST_BYTES = 1 << 22  # of a message: a frame waits for the previous messages
 _NONE = np.empty((0, 0))
 
 
 class Rows(Part):
-    """Sends the rows of the groups of columns that a view asks for."""
+    """Sends the rows of the groups of columns that a view requests."""
 
     _due = 0.0
     _told: dict[str, Any] | None = None
@@ -45,26 +45,26 @@ class Rows(Part):
         return math.inf if is_over else self._due
 
     def is_due(self, now: float) -> bool:
-        """Return whether rows may travel with a frame: each message of their own costs more."""
+        """Return whether rows may travel with a frame: separate messages cost more."""
         return now >= self._due or not self.panel.is_running
 
     def sent(self, now: float, links: Container[Link]) -> None:
-        """Note that they did, to some; those who look at a past step get them on their own."""
+        """Note that a frame brought rows to `links`; views of past steps get separate messages."""
         self._due = now + _GAP
         for link in self.panel.links:
             if link.looking is not None and link not in links:
                 self.send(link)
 
     def send(self, link: Link) -> None:
-        """Send what a line lacks."""
+        """Send the missing rows of a link."""
         entries, blocks = self.new(link)
         if entries and link.is_watched:
             link.send({"type": "rows", "rows": entries}, blocks)
 
     def new(self, link: Link) -> tuple[list[dict[str, Any]], list[bytes]]:
-        """Return rows that a line lacks, which it is taken to have now: entries and blocks.
+        """Return rows that a link lacks, as entries and blocks, and count them as sent.
 
-        Of a long record they are the first ones; the others follow.
+        A long record begins with its first rows; the others follow.
         """
         record, entries, blocks = self.panel.record, [], []
         room = 0 if link.is_behind else _MOST_BYTES
@@ -88,7 +88,7 @@ class Rows(Part):
         return entries, blocks
 
     def _lacks(self, link: Link) -> bool:
-        """Return whether a line has more to get."""
+        """Return whether a link lacks rows."""
         columns = self.panel.record.columns()
         return any(len(columns.get(name, _NONE)) != sent for name, sent in link.rows.items())
 

@@ -31,19 +31,19 @@ _SHARE = 0.1  # of the time at the most, while it runs
 
 
 class Summary(Part):
-    """Sends a message that is computed from the whole record, beside the thread of the view."""
+    """Sends a message that is computed from the whole record, in a separate thread."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._newest: dict[str, Any] | None = None
-        self._seen: tuple[int, int] | None = None  # resets and steps that it was computed from
-        self._since = -math.inf  # when it was last looked for what is new
+        self._seen: tuple[int, int] | None = None  # resets and steps of the last result
+        self._since = -math.inf  # time of the last look for new steps
         self._gap = _GAP
         self._beside = Beside(panel, f"robsim {type(self).__name__.lower()}")
 
     @abstractmethod
     def message(self, trace: Trace) -> dict[str, Any]:
-        """Return the message; in a thread of its own."""
+        """Return the message; in a separate thread."""
 
     def greet(self, link: Link) -> None:
         if self._newest is None:
@@ -111,9 +111,9 @@ class Statistics(Summary):
 
 
 def nees_of(trace: Trace) -> dict[str, Any] | None:
-    """Return the mean NEES of the newest steps with its bands; None without an estimate.
+    """Return the mean NEES of the newest steps with its bounds; None without an estimate.
 
-    Errors of neighbouring steps are correlated, so that only some of the steps count.
+    Errors of neighbouring steps are correlated, so only every tenth step counts.
     """
     part = trace[-_NEES_STEPS:]
     error = wrapped_error(part.pose_estimated, part.pose_true)[::-_NEES_GAP]
@@ -135,7 +135,7 @@ def nees_of(trace: Trace) -> dict[str, Any] | None:
 
 
 def longest_valid(trace: Trace) -> slice:
-    """Return the steps of the longest record without a gap in what is compared with the truth."""
+    """Return the longest range of steps without gaps in the columns compared with the truth."""
     is_true = np.isfinite(trace.pose_true[:, 0])
     known = trace.seen if trace.is_tracked else np.isfinite(trace.pose_estimated[:, 0])
     return longest_run(is_true & known)
@@ -145,7 +145,7 @@ def _errors(trace: Trace, of: str) -> Iterator[dict[str, Any]]:
     if not np.isfinite(trace.poses_from(of)).any():
         return
     report = pose_errors(trace, of=of)
-    bias, sd = report.bias, report.sd  # each is computed when it is asked for
+    bias, sd = report.bias, report.sd  # computed on access
     for axis, (name, unit, factor) in enumerate(_NAMES):
         values = factor * report.error[0, :, axis]
         known = values[np.isfinite(values)]

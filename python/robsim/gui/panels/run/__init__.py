@@ -1,1 +1,1 @@
-"""The run: what moves it on, what can be set, what the camera sees."""
+"""The run: its transport, its controls and its camera view."""

@@ -1,4 +1,4 @@
-"""The list of callbacks: whose they are, where they stand, what they take."""
+"""The list of callbacks: their owners, places and run times."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ _Slots = list[dict[str, Any]]
 
 
 class Callbacks(Part):
-    """Tells of each slot whose callback fills it, where it stands, its time, its last error.
+    """Sends for each slot the owner, place, run time and last error of its callback.
 
-    What is in the slots are plain values of Python, which the thread of the view may read.
+    Slots hold plain Python values, which the thread of the view may read.
     """
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
-        assert not isinstance(panel.runner, Playback)  # which has none
+        assert not isinstance(panel.runner, Playback)  # which has no slots
         self._runner = panel.runner
         self._owners = owners_of(self._runner)
         self._slots = [slot for slot in SLOTS if slot in self._runner.SLOTS]
@@ -52,7 +52,7 @@ class Callbacks(Part):
         self._runner._time_calls(self._times)
         self._means: dict[
             str, tuple[int, float, float | None]
-        ] = {}  # calls, s, ms of the last ones
+        ] = {}  # calls, s, ms of the newest calls
         self._opened: list[tuple[Link, subprocess.Popen[bytes]]] = []
         self._told: _Slots = []
         self._files = self._runner._from_folder
@@ -89,7 +89,7 @@ class Callbacks(Part):
         if self.panel.driver.state == "closed":
             self._runner._time_calls(None)
             self._times.end()
-            self._end_check()  # which the view waits for
+            self._end_check()  # the view waits for this
         if self._n_resets != self.panel.record.n_resets:
             self._n_resets = self.panel.record.n_resets
             self._times.clear()
@@ -125,7 +125,7 @@ class Callbacks(Part):
         return {"type": "printed", "lines": [[*line] for line in self._times.lines.copy()]}
 
     def _tell_gone(self) -> None:
-        """Say what takes the place of files that the folder had, and has no longer."""
+        """Report the replacement of files that are no longer in the folder."""
         before, self._files = self._files, self._runner._from_folder
         for slot in self._slots:
             given = self._runner._given[slot]
@@ -133,8 +133,8 @@ class Callbacks(Part):
             if slot in self._files or not was_used:
                 continue
             is_off = self._owners.of(slot) == "off"
-            now = f"{SLOTS[slot].title} is off" if is_off else "robsim's default takes its place"
-            self.panel.note(f"{slot}.py is gone from the folder: {now}")
+            now = f"{SLOTS[slot].title} is off" if is_off else "robsim's default replaces it"
+            self.panel.note(f"{slot}.py was removed from the folder: {now}")
 
     def _send(self, link: Link, slots: _Slots) -> None:
         if not link.is_in_notebook:  # a page has no JupyterLab behind its address
@@ -169,7 +169,7 @@ class Callbacks(Part):
         return (is_off or has_none) and can_make(self._runner, slot)
 
     def _timed(self, slot: str) -> tuple[int, float | None]:
-        """Return the number of calls, and how long the newest ones took in the mean (ms)."""
+        """Return the number of calls, and the mean run time of the newest calls (ms)."""
         calls, seconds = self._times.total(slot)
         before, spent, ms = self._means.get(slot, (0, 0.0, None))
         if calls < before:  # another callback is in the slot
@@ -206,11 +206,11 @@ class Callbacks(Part):
         )
 
     def _make_mine(self, link: Link, message: dict[str, Any]) -> None:
-        """Give the slot a file of the user's, show it, and open it in an editor if there is one."""
+        """Create the user's file for the slot, show it, and open it in an editor if possible."""
         slot = self._known(message)
         if not self._can_make(slot):
             raise Refused(
-                f"{slot} has a callback of yours already, or your folder may not have one"
+                f"{slot} already has your own callback, or your folder may not contain one"
             )
         self.panel.check_room()
 
@@ -218,12 +218,12 @@ class Callbacks(Part):
             if made.cancelled():
                 return
             if (error := made.exception()) is not None:
-                link.refuse(f"{slot}.py was not made: {said_by(error)}")
+                link.refuse(f"{slot}.py was not created: {said_by(error)}")
                 return
             file = made.result()
             late = slot in AT_START and slot not in self._runner._from_folder
             then = "used after Reset" if late else "used from the next step on"
-            self.panel.note(f"{file} is yours, {then}", level="info")
+            self.panel.note(f"{file} is your own, {then}", level="info")
             self._owners.look()
             self.panel.tell_setup()
             self.panel.tell_state()
@@ -237,12 +237,12 @@ class Callbacks(Part):
         made.add_done_callback(lambda made: self.panel.post(lambda: done(made)))
 
     def _begin_check(self, link: Link, message: dict[str, Any]) -> None:
-        """Let the doctor try a file in a process, which can be ended."""
+        """Check a file with the doctor in a separate process, which can be ended."""
         slot, folder = self._known(message), self._runner._folder
         if folder is None or slot not in self._runner._from_folder:
-            raise Refused(f"{slot} has no file of a folder that can be checked")
+            raise Refused(f"{slot} has no file in a folder, so there is nothing to check")
         if self._beside.is_busy:
-            raise Refused("the previous check has not ended yet")
+            raise Refused("the previous check is still running")
         command = [sys.executable, "-m", "robsim", "check", str(folder._absolute)]
         try:
             self._check = check = subprocess.Popen(
@@ -268,8 +268,8 @@ class Callbacks(Part):
         slot = self._known(message)
         place = place_in(self._runner, slot)
         if place.file is None:
-            raise Refused(f"{slot} stands in no file")
-        if time.monotonic() < self._may_edit:  # a second click, or a key that is held
+            raise Refused(f"{slot} is not in a file")
+        if time.monotonic() < self._may_edit:  # a second click or a held key
             return
         started = open_in_editor(place.file, place.line or 1)
         self._may_edit = time.monotonic() + _GAP
@@ -279,11 +279,11 @@ class Callbacks(Part):
     def _known(self, message: dict[str, Any]) -> str:
         slot: str = message["slot"]
         if slot not in self._slots:
-            raise Refused(f"there is no slot {slot!r}")
+            raise Refused(f"unknown slot {slot!r}")
         return slot
 
     def _look_at_editors(self) -> None:
-        """Say which ones could not open their file."""
+        """Report editors that failed to open their file."""
         waiting = [(link, editor) for link, editor in self._opened if editor.poll() is None]
         for link, editor in self._opened:
             if editor.returncode:
@@ -296,17 +296,17 @@ class Callbacks(Part):
 
 
 def _remarks_of(check: subprocess.Popen[bytes], file: str) -> dict[str, Any]:
-    """Return the remarks of a check, on the file as a whole and on lines (number, text)."""
+    """Return the remarks of a check, for the whole file and for lines (number, text)."""
     try:
         printed = check.communicate(timeout=_PATIENCE)[0]
-        told = json.loads(printed[printed.rfind(b"\n{\n") + 1 :])  # behind prints of the callback
+        told = json.loads(printed[printed.rfind(b"\n{\n") + 1 :])  # after prints of the callback
     except subprocess.TimeoutExpired:
         check.kill()
-        with suppress(subprocess.TimeoutExpired):  # a child of it may hold the pipe
+        with suppress(subprocess.TimeoutExpired):  # a child process may hold the pipe
             check.communicate(timeout=_GAP)
-        return {"said": [f"the check was ended after {_PATIENCE:g} s"], "lines": []}
+        return {"said": [f"the check was cancelled after {_PATIENCE:g} s"], "lines": []}
     except ValueError:
-        return {"said": ["the check has ended without a result"], "lines": []}
+        return {"said": ["the check ended without a result"], "lines": []}
     said, lines = [], []
     places = [(problem["sentence"], problem.get("line") or "") for problem in told["problems"]]
     for sentence, place in [*places, *((remark, remark) for remark in told["remarks"])]:

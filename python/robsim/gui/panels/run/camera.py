@@ -1,4 +1,4 @@
-"""The camera view: the newest frame for the browsers, as fast as they have room."""
+"""The camera view: the newest frame, sent as fast as the browsers receive it."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ _HIDDEN = "hidden by dropout"
 
 @dataclass(frozen=True)
 class Shot:
-    """A step as it is shown: taken in the thread of the run, used in the view's thread."""
+    """The shown data of a step: made in the thread of the run, used in the view's thread."""
 
     k: int
     t: float
-    frame: Frame | None  # None = none came
-    measured: list[float] | None = None  # a pose, as the next two
+    frame: Frame | None  # None = no frame
+    measured: list[float] | None = None  # a pose, like the next two
     held: list[float] | None = None
     truth: list[float] | None = None
     estimate: dict[str, Any] | None = None
@@ -53,7 +53,7 @@ class Shot:
     n_resets: int = 0  # of the record
 
     def head(self, area: tuple[int, int]) -> dict[str, Any]:
-        """Return the message about it; without a picture it shows the bare work area."""
+        """Return the header of the message; without a picture it shows the bare work area."""
         size, plane_map = [*area], PlaneMap()
         if self.frame is not None:
             height, width = self.frame.image.shape[:2]
@@ -64,7 +64,7 @@ class Shot:
 
 
 def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool) -> Shot:
-    """Return what is shown of the newest step."""
+    """Return the shown data of the newest step."""
     measurement = step.measurement
     estimate = step.estimate
     detection = step.detection if is_tracked else None
@@ -85,11 +85,11 @@ def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_trac
 
 
 def particles_of(estimator: Any) -> list[list[float]] | None:
-    """Return the positions of some particles of an estimator that has them, (N, 2) or wider.
+    """Return positions of some particles of a particle filter, (N, 2) or wider.
 
-    Each stands for as much weight, if there are `weights`.
+    Each position represents the same weight if the filter has `weights`.
     """
-    with suppress(Exception):  # of a property of the user
+    with suppress(Exception):  # of a user's property
         return _particles_of(getattr(estimator, "__self__", estimator))
     return None
 
@@ -110,7 +110,7 @@ def _particles_of(owner: Any) -> list[list[float]] | None:
 
 
 def past_shot(record: Record, k: int, frame: Frame | None) -> Shot:
-    """Return what is shown of a step that is over: its blobs are found again."""
+    """Return the shown data of a past step; its blobs are found again."""
     columns = record.columns()
     measured = row_of(columns, "pose_measured", k)
     pose, covariance = (row_of(columns, name, k) for name in ("pose_estimated", "covariance"))
@@ -136,15 +136,15 @@ def _is_hidden(columns: Mapping[str, Floats], k: int) -> bool:
 
 
 def _why_missed(record: Record, k: int, frame: Frame, blobs: Mapping[str, Sequence[Blob]]) -> str:
-    """Return why the default measurement finds no robot, or that only the user's own does not."""
+    """Return the reason why the default measurement or the user's measurement finds no robot."""
     if _is_hidden(record.columns(), k):
         return _HIDDEN
     found = detect(blobs, record.markers, plane_map=frame.plane_map, image=frame)
     if not record.has_own_measure:
         return found.explanation
-    beside = "the default one finds the robot here"
+    beside = "robsim's default finds the robot here"
     if found.measurement is None:
-        beside = f"the default one finds none either: {found.explanation}"
+        beside = f"robsim's default does not either: {found.explanation}"
     return f"your measure found no robot; {beside}"
 
 
@@ -158,17 +158,17 @@ def _estimate(pose: Any, covariance: Any) -> dict[str, Any] | None:
 
 
 def row_of(columns: Mapping[str, Floats], name: str, k: int) -> list[float] | None:
-    """Return the numbers of a step; None where they are not known."""
+    """Return the numbers of a step; None for unknown numbers."""
     if name not in columns or k >= len(columns[name]):
         return None
     return numbers(columns[name][k])
 
 
 class CameraView(Part):
-    """Sends the newest step as a picture, with what is drawn over it."""
+    """Sends the newest step as a picture with its overlays."""
 
     _taken: Shot | None = None  # in the thread of the run
-    _is_told = False  # the thread of the view that there is one
+    _is_told = False  # whether the thread of the view knows of `_taken`
     _newest: Shot | None = None
 
     def __init__(self, panel: PanelView) -> None:
@@ -195,9 +195,9 @@ class CameraView(Part):
             time.monotonic() < self._clock.due if is_watched else self._taken is None
         ):
             return
-        # Whoever comes while it runs is not to see the last step that somebody has watched.
+        # A view that connects during a run must not show the last step of an earlier view.
         self._taken = self.panel.record.shot(step) if is_watched or not is_running else None
-        if not self._is_told:  # a view that is busy is not to find the frames of a hundred steps
+        if not self._is_told:  # a busy view must not queue hundreds of frames
             self._is_told = True
             self.panel.post(self._show)
 
@@ -208,7 +208,7 @@ class CameraView(Part):
 
     @property
     def _shot(self) -> Shot | None:
-        """What is to be shown; None if that is of a run before a reset."""
+        """The shown step; None if it is from before a reset."""
         shot = self._newest
         return shot if shot and shot.n_resets == self.panel.record.n_resets else None
 
@@ -224,7 +224,7 @@ class CameraView(Part):
         return math.inf if len(ready) == len(lacking) else now + SLOW
 
     def renew(self) -> None:
-        """Take the last step of a run that has ended."""
+        """Take the last step of an ended run."""
         if self.panel.record.n_steps:
             self._newest = self.panel.record.shot(self.panel.runner.last_step)
 
@@ -232,7 +232,7 @@ class CameraView(Part):
         return picture_of(shot.frame, width)
 
     def _magnify(self, link: Link, message: dict[str, Any]) -> None:
-        """Send the pixels around a point, and the class of each: 0 none, 1 the first one."""
+        """Send the pixels around a point with their classes: 0 = no class, 1 = the first class."""
         if link.frame is None:
             return
         record = self.panel.record
@@ -247,7 +247,7 @@ class CameraView(Part):
         link.send(head, [part.tobytes(), classes.tobytes()])
 
     def _show(self) -> None:
-        self._is_told = False  # before it is looked at: what is taken after that is told again
+        self._is_told = False  # before reading `_taken`: later steps post again
         self._newest = self._taken
 
     def _send(self, shot: Shot, links: list[Link], now: float) -> None:

@@ -1,4 +1,4 @@
-"""A task as a challenge: its score while it runs, and the best score of this machine."""
+"""A task as a challenge: its current score, and the best score on this machine."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from robsim.teach.tasks import Task
     from robsim.trace import Trace
 
-_FILE = "challenges.json"  # of the user's folder: points by challenge
+_FILE = "challenges.json"  # in the user's folder: points by challenge
 _MOST_KEPT = 200
 _FREE = {"seed", *SLOTS}  # of the options of a scenario
 
 
 class Challenge(Summary):
-    """Tells the score of a task, by the numbers of `try_solution`, for one run."""
+    """Sends the score of one run of a task, with the metrics of `try_solution`."""
 
     def __init__(self, panel: PanelView, task: Task) -> None:
         super().__init__(panel)
@@ -91,7 +91,7 @@ def _name(task: Task) -> str:
 
 
 def _best(name: str, points: float | None) -> float | None:
-    """Return the best points of a challenge on this machine, and keep these if they are better."""
+    """Return the best points of a challenge on this machine; save `points` if they are better."""
     kept = _kept()
     best = kept.get(name)
     if points is None or (best is not None and best >= points):
@@ -99,14 +99,14 @@ def _best(name: str, points: float | None) -> float | None:
     kept.pop(name, None)
     newest = dict([*kept.items()][1 - _MOST_KEPT :])
     file = data_folder() / _FILE
-    with suppress(OSError):  # the run needs no file
+    with suppress(OSError):  # the run does not need the file
         file.parent.mkdir(parents=True, exist_ok=True)
         write_whole(file, json.dumps(newest | {name: points}).encode())
     return points
 
 
 def _kept() -> dict[str, float]:
-    """Return the points that are kept; nothing of a missing or damaged file."""
+    """Return the saved points; empty for a missing or damaged file."""
     try:
         told = parse_json(read_text(data_folder() / _FILE))
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""What can be set while it runs: stages, the controller, the world, the speed."""
+"""The controls of a run: stages, controller, world, speed."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from robsim.simulation import Experiment, Simulation
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 
-_GAP = 0.5  # s between two looks at what was changed elsewhere, as in a cell
+_GAP = 0.5  # s between two looks for changes from elsewhere, such as a cell
 
 
 class _Run:
-    """What can be set of a run."""
+    """The controls of one run."""
 
     def __init__(self, runner: Simulation | Experiment, goals: Floats | None) -> None:
         self.runner = runner
@@ -46,7 +46,7 @@ class _Run:
 
 
 class Controls(Part):
-    """Tells which controls there are, and does what is set, in the thread of the run."""
+    """Sends the available controls, and applies changes in the thread of the run."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
@@ -56,7 +56,7 @@ class Controls(Part):
             self._run = _Run(panel.runner, panel.goals)
             settings += self._run.settings()
         if not (isinstance(panel.runner, Experiment) and panel.runner.is_live):
-            settings.append(Speed(panel.driver))  # otherwise the camera sets the pace
+            settings.append(Speed(panel.driver))  # a camera sets its own speed
         self._settings = {setting.name: setting for setting in settings}
         self._limits_told = self._limits()
         self._state_told: dict[str, Any] = {}
@@ -88,7 +88,7 @@ class Controls(Part):
 
     def _set(self, link: Link, message: dict[str, Any]) -> None:
         if (setting := self._settings.get(message["name"])) is None:
-            raise Refused(f"there is no control {message['name']!r}")
+            raise Refused(f"unknown control {message['name']!r}")
         self._do(link, message, lambda: setting.set(message["value"]))
 
     def _go_to(self, link: Link, message: dict[str, Any]) -> None:
@@ -101,11 +101,11 @@ class Controls(Part):
 
     def _driving(self) -> Driving:
         if self._run is None:
-            raise Refused("this run was recorded before: its robot cannot be driven")
+            raise Refused("this is a recorded run: its robot cannot be driven")
         return self._run.driving
 
     def _do(self, link: Link, message: dict[str, Any], change: Callable[[], Remarks]) -> None:
-        """Change something between two steps, and tell what came of it."""
+        """Change something between two steps, and report the outcome."""
 
         def change_all() -> Remarks:
             remarks = change()
@@ -116,7 +116,7 @@ class Controls(Part):
         self.change(link, lambda: self.panel.share.noted(message, change_all), self._changed)
 
     def _changed(self) -> None:
-        self._state_told = {}  # the view shows what it has asked for, which may not be
+        self._state_told = {}  # the view shows its request, which may be refused
         self._tell_changes()
 
     def _tell_changes(self) -> None:

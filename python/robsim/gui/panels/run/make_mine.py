@@ -1,4 +1,4 @@
-"""Make it mine: the file of a callback in the user's folder, filled with the default's example."""
+"""Make it mine: create a callback's file in the user's folder from the default's example."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ _OFF = re.compile(r"^ENABLED *= *False", re.MULTILINE)
 
 
 def can_make(runner: Simulation | Experiment, slot: str) -> bool:
-    """Return whether a slot can get a file, or one that is switched off can be switched on."""
+    """Return whether a slot can get a new file, or has a file that can be switched on."""
     return runner._folder is None or slot in runner._folder._slots
 
 
 def make_mine(runner: Simulation | Experiment, slot: str) -> Path:
     """Write the file of a slot, and fill the slot from the file; in the thread of the run.
 
-    A file that exists is kept, and switched on. A slot of the start is filled by the next reset.
-    An error of a file leaves the slot unchanged.
+    An existing file is kept, and switched on. The next reset fills a slot of the start.
+    If the file has an error, the slot keeps its callback.
     """
     folder = runner._folder or CallbackFolder(_free_folder(), runner.SLOTS)
     file = folder._absolute / f"{slot}.py"

@@ -1,4 +1,4 @@
-"""The newest lines that callbacks print; the terminal gets them, too."""
+"""The newest lines printed by callbacks; the terminal shows them, too."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _here = threading.local()  # `heard` takes the text of the running callback
 
 
 class _Tee:
-    """A stream that passes on everything, and lets a callback's panel hear it."""
+    """A stream that passes text on, and copies a callback's text to its panel."""
 
     def __init__(self, stream: Any) -> None:
         self.stream = stream
@@ -33,22 +33,22 @@ class _Tee:
 
 
 class HeardCalls(CallTimes):
-    """Times the calls of callbacks, and keeps the last lines that they print."""
+    """Times the calls of callbacks, and keeps their last printed lines."""
 
     def __init__(self) -> None:
         super().__init__()
         self.lines: deque[tuple[str, str]] = deque(maxlen=_MOST_LINES)  # slot, text
-        self.n_heard = 0  # lines ever
-        self._open: dict[str, str] = {}  # by slot: a line without its end
+        self.n_heard = 0  # lines in total
+        self._open: dict[str, str] = {}  # by slot: the beginning of an unfinished line
         self._has_ended = False
 
     def timed(self, slot: str, callback: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a callback whose calls are timed, and whose prints are heard."""
+        """Return a callback with timed calls and recorded prints."""
         hear = functools.partial(self._hear, slot)
 
         @functools.wraps(callback, updated=())
         def call(*arguments: Any) -> Any:
-            with _replacing:  # others may replace it, too; None in pythonw
+            with _replacing:  # other code may replace it, too; None in pythonw
                 if not (self._has_ended or sys.stdout is None or type(sys.stdout) is _Tee):
                     sys.stdout = _Tee(sys.stdout)
             before, _here.heard = getattr(_here, "heard", None), hear
@@ -65,7 +65,7 @@ class HeardCalls(CallTimes):
         self.n_heard += 1
 
     def end(self) -> None:
-        """Give the program its own stream back."""
+        """Restore the program's own stream."""
         with _replacing:
             self._has_ended = True
             if isinstance(tee := sys.stdout, _Tee):

@@ -1,4 +1,4 @@
-"""All options of a simulated world: told, changed now or from the next run on, kept in files."""
+"""All options of a simulated world: changed now or at the next run, saved in files."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _LIVE = {name for name, row in OPTIONS.items() if row.is_live or name in _VISION
 
 
 class ScenarioOptions(Part):
-    """The options of a simulation; what cannot change in a run waits for the next one."""
+    """The options of a simulation; options that are fixed during a run wait for the next one."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
@@ -72,7 +72,7 @@ class ScenarioOptions(Part):
         return self._sim.scenario, self._waiting, self._by_code()
 
     def _by_code(self) -> dict[str, str]:
-        """Return whose code is in slots that are options, too."""
+        """Return the owner of the code in slots that are also options."""
         slots = self._sim._callbacks.items()
         code = [name for name, value in slots if name in OPTIONS and not is_data(name, value)]
         return {name: self._owners.of(name) for name in code}
@@ -110,7 +110,7 @@ class ScenarioOptions(Part):
             link.send({"type": "note", "level": "info", "text": text})
 
     def _do(self, link: Link, name: str | None, change: Callable[[], Remarks]) -> None:
-        """Change something between two steps; an error goes beside its field."""
+        """Change something between two steps; show an error next to its field."""
         self.change(link, change, self._changed, _PLAIN, option=name)
 
     def _changed(self) -> None:
@@ -120,7 +120,7 @@ class ScenarioOptions(Part):
     # In the thread of the run.
 
     def _change(self, changes: Mapping[str, Any], *, is_loaded: bool = False) -> Remarks:
-        """Change options; a file is taken as a whole, with the next run."""
+        """Change options; a file applies as a whole, at the next run."""
         sim, driver, before = self._sim, self.panel.driver, self._waiting
         wanted = sim.scenario.replace(**{**before, **changes})
         check_bounces(wanted)
@@ -145,7 +145,7 @@ class ScenarioOptions(Part):
         return remarks
 
     def _has(self, name: str, value: Any, by_code: Mapping[str, str], is_loaded: bool) -> bool:
-        """Return whether an option is as it should be; a file leaves callbacks in their slots."""
+        """Return whether an option has the wanted value; a file leaves callbacks in their slots."""
         if name in by_code:
             return is_loaded and by_code[name] == "mine" and value == default_of(name)
         return bool(getattr(self._sim.scenario, name) == value)
@@ -168,7 +168,7 @@ class ScenarioOptions(Part):
         return []
 
     def _begin(self) -> None:
-        """Begin the run for which options wait; if that cannot be, all remains as it was."""
+        """Begin the run with the waiting options; restore everything if that fails."""
         if not (waiting := self._waiting):
             return
         sim, owners, before = self._sim, self._owners, {**vars(self._sim)}

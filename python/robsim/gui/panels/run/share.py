@@ -1,4 +1,4 @@
-"""Share: a clip of the last ten seconds, and a file from which the run is run again."""
+"""Share: a clip of the last ten seconds, and a replay file that reruns the run."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 
 _SECONDS, _LEAST_RATE, _WIDTH = 10, 15.0, 600  # of the clip: s, 1/s, px
 _MOST_CHANGES = 10_000
-_MOST_SENT = 24 << 20  # bytes; a page that is more than 32 MB behind is cut off
+_MOST_SENT = 24 << 20  # bytes; a page more than 32 MB behind is disconnected
 
 
 class Share(Part):
-    """Notes what changes a simulation, and makes files of it."""
+    """Records the changes of a simulation, and makes files from them."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
         self._making = panel.beside("robsim share")
-        self._changes: list[tuple[int, int, str, dict[str, Any]]] = []  # resets, step, stage, what
-        self._unknown: set[str] = set()  # changes by other code than the panel
+        self._changes: list[tuple[int, int, str, dict[str, Any]]] = []  # resets, step, stage, data
+        self._unknown: set[str] = set()  # changes by code outside of the panel
         self._taken = 0, 0  # resets, steps at the last look at the files
         if isinstance(runner := panel.runner, Simulation):
             self._unknown |= {*runner._changed}
@@ -53,7 +53,7 @@ class Share(Part):
         return {"can_share": isinstance(self.panel.runner, Runner)}
 
     def noted(self, message: dict[str, Any], change: Callable[[], Any]) -> Any:
-        """Change something, and note by which message; in the thread of the run."""
+        """Change something, and record the message; in the thread of the run."""
         runner = self.panel.runner
         if not isinstance(runner, Simulation) or message.get("name") == "speed":
             return change()
@@ -77,7 +77,7 @@ class Share(Part):
         if len(self._changes) < _MOST_CHANGES:
             self._changes.append((self.panel.record.n_resets, k, stage, what))
         else:
-            self._unknown.add("more changes than are kept")
+            self._unknown.add("more changes than can be kept")
 
     def _texts(self, files: Mapping[str, bytes]) -> dict[str, str]:
         texts = {}
@@ -89,7 +89,7 @@ class Share(Part):
         return texts
 
     def _compare(self, runner: Simulation) -> None:
-        """Note changes since the last one of the panel."""
+        """Record changes by other code since the panel's last change."""
         owners = owners_of(runner)
         mine = [slot for slot in runner.SLOTS if owners.of(slot) == "mine"]
         code = [slot for slot in mine if not _is_open(runner, slot)]
@@ -102,7 +102,7 @@ class Share(Part):
         self._unknown |= {f"{slot}.py, made during the run" for slot in made - {*code}}
 
     def _replay(self) -> tuple[str, bytes, str]:
-        """Return name, content and lacks of the file; in the thread of the run."""
+        """Return name, content and missing parts of the file; in the thread of the run."""
         runner, record = self.panel.runner, self.panel.record
         lacks = ["frames of a camera"]
         if isinstance(runner, Simulation):
@@ -137,11 +137,11 @@ class Share(Part):
 
     def _share(self, link: Link, message: dict[str, Any]) -> None:
         if not self.setup()["can_share"]:
-            raise Refused("this run is played back from a file: share the file")
+            raise Refused("this run is played back from a file; share that file instead")
         if not self.panel.record.n_steps:
             raise Refused("there is nothing to share yet: press Start")
         if self._making.is_busy:
-            raise Refused("it is being made")
+            raise Refused("the previous clip is still being made")
 
         def make() -> tuple[str, bytes, str, tuple[str, bytes]]:
             return *self.panel.driver.ask(self._replay), self._clip()
@@ -165,7 +165,7 @@ class Share(Part):
         link.refuse(f"The run is too large for the page: {where}")
 
     def _clip(self) -> tuple[str, bytes]:
-        """Return the name and the content of the clip; no content without frames."""
+        """Return the name and the content of the clip; empty content without frames."""
         from robsim.plotting.images.replay import annotated_frames
         from robsim.vision.imaging.video import load_av, save_small_video
 
@@ -191,7 +191,7 @@ class Share(Part):
         for k in map(int, ks):
             try:
                 yield self.panel.driver.ask(partial(self.panel.record.frame, k))
-            except LookupError:  # of a camera, gone; or the run was reset
+            except LookupError:  # the camera's frame is lost, or the run was reset
                 yield None
 
 
@@ -204,7 +204,7 @@ def _reduced(pixels: Pixels) -> Pixels:
 
 
 def _told(runner: Simulation) -> tuple[Any, Any, dict[str, Any]]:
-    """Return options, folder and what overrides its files: only messages change them unasked."""
+    """Return options, folder and overrides of its files; only messages of the panel change them."""
     return (runner._scenario, runner._seed), runner._folder, {**runner._given}
 
 

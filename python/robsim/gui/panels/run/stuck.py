@@ -1,4 +1,4 @@
-"""A callback that does not end: which one, since when, in which line, and its end."""
+"""A callback that does not end: its slot, run time and line, and its forced end."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from robsim.simulation.time_limit import TimeLimit
 if TYPE_CHECKING:
     from robsim.gui.panels.view import PanelView
 
-PATIENCE = 2.0  # s with a call, a command that waits for it, and its end
+PATIENCE = 2.0  # s for a call, for a command that waits for it, and for its end
 _GAP = 0.5  # s between two looks while it runs
 
 
 class Stuck(Part):
-    """Reports a call of a callback that takes long, and ends it for those who wait for its end.
+    """Reports a long call of a callback, and ends the call if something waits for its end.
 
-    These are a button, a pause, a reset, and a file that was saved meanwhile. The limit of the
-    calls does the ending. No call is ended while a debugger waits in it.
+    A button, a pause, a reset or a saved file may wait. The time limit of calls ends the call.
+    Calls with an active debugger are never ended.
     """
 
     def __init__(self, panel: PanelView) -> None:
@@ -49,15 +49,15 @@ class Stuck(Part):
         return now + _GAP
 
     def end(self, why: str = "it was ended by the button of the panel") -> None:
-        """End the call under way, if it is one that takes long."""
+        """End the call under way, if it takes long."""
         limit = self.panel.driver.limit
         if limit is not None and self.told is not None:
             limit.end(f"{why}, after {self.told['seconds']} s", self._call)
 
     def hopeless(self, *, is_call: bool) -> str | None:
-        """Why a command, which `is_call` or waits for it, would never end; any thread may ask.
+        """Return why a command, which `is_call` or waits for the call, can never end; any thread.
 
-        A call in a debugger is as long as its user likes.
+        A debugger may hold a call for any time.
         """
         hows = ("native",) if is_call else ("native", "debugged")
         if (told := self.told) is None or told["how"] not in hows:
@@ -86,7 +86,7 @@ class Stuck(Part):
         driver = self.panel.driver
         asked = driver.waited_for
         if asked is not None and now - asked >= PATIENCE:
-            self.end("it was ended by Pause or Reset")
+            self.end("Pause or Reset ended it")
         elif not isinstance(driver.runner, Playback) and self._is_mended(driver.runner._folder):
             self.end("its file has changed")
             if driver.state == "running" and not driver.is_stopped:

@@ -1,4 +1,4 @@
-"""The tools on a run: opened in the panel's place; what they make is used by the run."""
+"""The tools on a run: they open in the panel, and the run uses their results."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 NAMES = ("robots", "colors")
 
-_GAP = 0.5  # s between two looks at whether the run has got others, as in a cell
+_GAP = 0.5  # s between two looks for a changed robot or changed colours, such as in a cell
 _FILE = "colors.toml"
 _EXPECTED = (OSError, TypeError, ValueError, RuntimeError)
 
@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 
 class Tools(Part):
-    """Opens a tool on the run, relays its messages, and gives the run what was made with it."""
+    """Opens a tool on the run, relays its messages, and gives its result to the run."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
@@ -44,7 +44,7 @@ class Tools(Part):
         self._lines: dict[Link, ToolLine] = {}
         self._seen = self._looked_for()
         self._due = 0.0
-        self._is_settled = threading.Event()  # nothing is being given to the run
+        self._is_settled = threading.Event()  # set unless a result is on its way to the run
         self._is_settled.set()
 
     def handlers(self) -> Handlers:
@@ -77,14 +77,14 @@ class Tools(Part):
         self._close(timeout)
 
     def settle(self) -> None:
-        """Wait until the run has what was made; neither in its thread nor in the view's."""
+        """Wait until the run has the result; not in the run's or the view's thread."""
         self._is_settled.wait()
 
     def begin(self, name: str) -> None:
-        """Open a tool on the run, in place of another one."""
+        """Open a tool on the run, and close the previous tool."""
         runner = self.panel.runner
         if name not in NAMES or isinstance(runner, Playback):
-            raise Refused(f"there is no tool {name!r} for this run")
+            raise Refused(f"this run has no tool {name!r}")
         self._close()
         self.tool = _opened(name, self.panel, runner)
         self._name = name
@@ -100,7 +100,7 @@ class Tools(Part):
         self.panel.tell_state()
 
     def _tell(self, link: Link, message: dict[str, Any]) -> None:
-        """Give the tool a message of a browser."""
+        """Pass a browser's message on to the tool."""
         if self.tool is None or message["name"] != self._name:
             return  # it was closed meanwhile
         view = self.tool._view
@@ -111,7 +111,7 @@ class Tools(Part):
         view.receive(self._lines[link], told, message["buffers"])
 
     def _use(self, link: Link, message: dict[str, Any]) -> None:
-        """Give the run what was made, close the tool, and go on."""
+        """Give the result to the run, close the tool, and continue."""
         if self.tool is None:
             return
         self.panel.check_room()
@@ -139,18 +139,18 @@ class Tools(Part):
             self._is_settled.set()
 
         self._is_settled.clear()
-        # One after another, each in its thread, and nobody waits: Stop is heard meanwhile.
+        # Each step runs in its own thread without waiting, so that Stop works meanwhile.
         self._then(link, tool._view.later(tool._made), change_run)
 
     def _then(self, link: Link, future: Future[T], go_on: Callable[[Future[T]], None]) -> None:
-        """Go on in the thread of the view when something is done; say it where it has failed."""
+        """Continue in the view's thread after `future`; show an error if it failed."""
 
         def done() -> None:
             error = None if future.cancelled() else future.exception()
             if error is not None:
                 text = str(error) if isinstance(error, _EXPECTED) else said_by(error)
                 link.send({"type": "note", "level": "error", "text": text})
-            if error is not None or future.cancelled():  # what it was asked for is being closed
+            if error is not None or future.cancelled():  # the tool is being closed
                 self._is_settled.set()
             else:
                 go_on(future)
@@ -162,7 +162,7 @@ class Tools(Part):
         future.add_done_callback(post)
 
     def _close(self, timeout: float = 0.0) -> None:
-        """Close the tool; without a timeout (s) it ends when it has done what it is at."""
+        """Close the tool; without a timeout (s) it finishes its work first."""
         tool, self.tool, self._name = self.tool, None, None
         self._lines.clear()
         if tool is not None:
@@ -175,7 +175,7 @@ class Tools(Part):
         return runner.robot, runner.colors, runner.markers
 
     def _look_at_run(self) -> None:
-        """Take over another robot, or other colours, that the run has got."""
+        """Take over a changed robot or changed colours of the run."""
         if (now := self._looked_for()) == self._seen:
             return
         self._seen = now
@@ -185,7 +185,7 @@ class Tools(Part):
 
 
 class ToolLine(Link):
-    """The line of a tool to a browser, through that of the panel."""
+    """The link of a tool to a browser, through the panel's link."""
 
     def __init__(self, tools: Tools, link: Link) -> None:
         super().__init__()
@@ -196,7 +196,7 @@ class ToolLine(Link):
         return self._link.is_behind
 
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
-        """Hand it to the thread of the panel, whose line it is; after the tool's end nothing."""
+        """Pass a message to the panel's thread, which owns the link; drop it once the tool ends."""
         message = {"type": "tool", "message": dict(head)}
 
         def send() -> None:
@@ -217,7 +217,7 @@ def _opened(
 
 
 def _free_file() -> Path:
-    """Return a colour file that is not there: one that was not opened is not written over."""
+    """Return the name of a new colour file, so that no existing file is overwritten."""
     for name in itertools.chain([_FILE], (f"colors{n}.toml" for n in itertools.count(2))):
         if not Path(name).exists():
             return Path(name)

@@ -1,4 +1,4 @@
-"""Start, Pause, Step and their like, the big Stop, and the state of the run."""
+"""Start, Pause, Step and similar buttons, the big Stop, and the state of the run."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def trouble_of(error: BaseException) -> dict[str, Any]:
         "code": None,
         "traceback": "",
     }
-    with suppress(Exception):  # what an exception holds may be anything, such as notes = 5
+    with suppress(Exception):  # an exception may hold any value, such as notes = 5
         told |= _told_by(error)
     return told
 
@@ -66,7 +66,7 @@ def _source_of(error: BaseException) -> SourceLine | None:
 
 
 def _code_of(error: BaseException, source: SourceLine | None) -> str | None:
-    if isinstance(error, SyntaxError) and error.text:  # of a file that could not be loaded
+    if isinstance(error, SyntaxError) and error.text:  # in a file that failed to load
         return _shortened(error.text.strip())
     return _shortened(source.text) if source else None
 
@@ -92,7 +92,7 @@ def _text_of(error: BaseException, source: SourceLine | None) -> str:
 
 
 def _traceback_of(error: BaseException) -> str:
-    """Return the traceback without the frames of robsim and of installed packages; maybe empty."""
+    """Return the traceback without frames of robsim and installed packages; may be empty."""
     frames = [
         frame
         for frame in traceback.extract_tb(error.__traceback__)
@@ -119,7 +119,7 @@ _MOST_STOPS = 10  # that hang at the same time
 
 
 class Transport(Part):
-    """Carries out the buttons that move the run on, and tells its state."""
+    """Carries out the buttons of the run, and sends its state."""
 
     def __init__(self, panel: PanelView) -> None:
         super().__init__(panel)
@@ -158,7 +158,7 @@ class Transport(Part):
         record = self.panel.record
         try:
             return record.time_of(record.n_steps - 1) if record.n_steps else None
-        except IndexError:  # it was reset in between
+        except IndexError:  # it was reset meanwhile
             return None
 
     def take(self, step: Step) -> None:
@@ -177,7 +177,7 @@ class Transport(Part):
     def _press(self, link: Link, message: dict[str, Any]) -> None:
         driver, button = self.panel.driver, message["button"]
         if button == "start" and driver.state == "ended" and isinstance(driver.runner, Experiment):
-            raise Refused("The frames are over. Reset begins with the first one again.")
+            raise Refused("All frames have been used. Reset begins again with the first frame.")
         if button == "stop":
             self._stop()
             return
@@ -194,7 +194,7 @@ class Transport(Part):
             "finish": self.panel.finish,
         }
         if button not in buttons:
-            raise Refused(f"there is no button {button!r}")
+            raise Refused(f"unknown button {button!r}")
         done = buttons[button]()
         if done is not None:
             done.add_done_callback(self._tell_failure)
@@ -207,7 +207,7 @@ class Transport(Part):
         return done
 
     def _keep(self, before: Future[Trace], reset: Future[None]) -> None:
-        """Save the run that was reset."""
+        """Save the previous run after a reset."""
         if reset.cancelled() or reset.exception() or not len(before.result()):
             return
         try:
@@ -218,11 +218,11 @@ class Transport(Part):
             self.panel.note(f"The previous run is in {file}", "info")
 
     def _stop(self) -> None:
-        """Stop the robot here and now: the thread of the run may hang in a callback.
+        """Stop the robot at once from this thread: the thread of the run may hang in a callback.
 
-        Where what stops it hangs, too, the panel goes on, and the next Stop tries again.
+        If stopping hangs, too, the panel still works, and the next Stop tries again.
         """
-        self.panel.forget("press")  # what was pressed before Stop must not move it after
+        self.panel.forget("press")  # earlier presses must not move the robot after Stop
         self._stopping = [thread for thread in self._stopping if thread.is_alive()]
         if len(self._stopping) < _MOST_STOPS:
             thread = threading.Thread(target=self._stop_robot, name="robsim stop", daemon=True)
@@ -235,7 +235,7 @@ class Transport(Part):
     def _stop_robot(self) -> None:
         try:
             self.panel.driver.stop_robot().add_done_callback(self._tell_failure)
-        except BaseException as error:  # whatever the motors raise
+        except BaseException as error:  # any error of the motors
             self.panel.note(f"The robot could not be stopped: {said_by(error)}")
 
     def _tell_failure(self, future: Future[None]) -> None:
@@ -253,32 +253,32 @@ class Transport(Part):
 
     def _note_stage(self, stage: str, step: Step) -> None:
         is_start = stage in AT_START
-        # Of a step it is the stage that comes next which one sees work: so none is left out.
+        # The next stage of the step shows the progress, so no stage is left out.
         message = {"type": "stages", "stage": stage if is_start else self.panel.runner.stage}
         self.panel.post(lambda: self.panel.send(message))
 
 
 class CameraRate:
-    """What is to be known of a live camera: how many frames come, how old, how many are dropped."""
+    """Statistics of a live camera: frame rate, age of the newest frame, dropped frames."""
 
     def __init__(self, experiment: Experiment) -> None:
         self._source = experiment._source
         self._exposed = -math.inf  # the newest frame, by the monotonic clock
-        self._began: float | None = None  # when the run went on; None = it does not
-        self._grabbed: tuple[float, int] | None = None  # when, how many
+        self._began: float | None = None  # when the run continued; None = it is paused
+        self._grabbed: tuple[float, int] | None = None  # time, number of frames
         self._rate: float | None = None  # 1/s
-        self._dropped = 0  # while it ran
-        self._dropped_before = 0  # by the camera, when that was counted
+        self._dropped = 0  # during the run
+        self._dropped_before = 0  # the camera's count at the last look
         self.due = 0.0
 
     def take(self, step: Step) -> None:
-        """Note when the frame of a step was exposed; in the thread of the run."""
+        """Note the exposure time of a step's frame; in the thread of the run."""
         frame = step.frame
         if frame is not None and frame.epoch is not None and frame.t is not None:
             self._exposed = frame.epoch + frame.t
 
     def count(self, now: float) -> None:
-        """Note how many frames have come."""
+        """Note the number of grabbed frames."""
         self.due = now + _GAP
         if (counts := self._source.counts) is None:
             return
@@ -292,12 +292,12 @@ class CameraRate:
         now = time.monotonic()
         if is_running != (self._began is not None):
             self._began = now if is_running else None
-        # Where none has come since the start: how long it has been waited for.
+        # Without a frame since the start, the age is the waiting time.
         age = None if self._began is None else max(0.0, now - max(self._exposed, self._began))
         return {"rate": self._rate, "age": age, "dropped": self._dropped}
 
     def _count_dropped(self) -> None:
-        """Count what was dropped in a run; otherwise nobody takes the frames."""
+        """Count frames dropped during a run; while it is paused, dropping frames is normal."""
         if (counts := self._source.counts) is not None:
             if self._began is not None:
                 self._dropped += counts.dropped - self._dropped_before

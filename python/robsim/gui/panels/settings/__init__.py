@@ -1,1 +1,1 @@
-"""What can be set while a run goes on."""
+"""The controls that work during a run."""

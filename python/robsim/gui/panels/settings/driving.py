@@ -1,4 +1,4 @@
-"""Who drives the robot: a signal, a controller to a point or along a path, or the user's."""
+"""The robot's controller: a signal, a drive to a point or along a path, or the user's."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robsim.gui.panels.settings.signals import OFF, SIGNAL_KINDS, SIGNALS, signa
 from robsim.gui.panels.settings.stages import Stages
 from robsim.simulation import Experiment, Simulation
 
-_SPACING = 15.0  # px between waypoints: within the radius in which one counts as reached
+_SPACING = 15.0  # px between waypoints: less than the radius of a reached waypoint
 
 _TO_POINTS = {"go-to-point": GoToPoint, "follow-path": FollowPath}
 _KINDS = {kind: name for name, kind in _TO_POINTS.items()} | SIGNAL_KINDS
@@ -25,14 +25,14 @@ Point = Sequence[float]
 
 
 def as_told(goals: Floats | None) -> tuple[list[float] | None, list[list[float]] | None]:
-    """Return goals as the browser is told them: a position or a pose, or waypoints."""
+    """Return goals in the form of the browser's message: a position or pose, or waypoints."""
     if goals is None:
         return None, None
     return (goals.tolist(), None) if goals.ndim == 1 else (None, goals.tolist())
 
 
 class Driving(Choice):
-    """The controller; also where it drives to."""
+    """The controller and its goal."""
 
     name, card = "control", "drive"
 
@@ -46,7 +46,7 @@ class Driving(Choice):
         self._runner = runner
         self._stages = stages
         self._owners = owners
-        #: What is asked, and drawn whoever drives: a position or a pose, or waypoints.
+        #: The requested goal, drawn for every controller: a position or a pose, or waypoints.
         self._asked, self._asked_path = as_told(goals)
         self._goal: Point | None = None if self._asked is None else self._asked[:2]
         self._path: Sequence[Point] | None = self._asked_path
@@ -62,7 +62,7 @@ class Driving(Choice):
 
     @property
     def goal(self) -> list[float] | None:
-        """Where the robot drives to, or is to, with a heading if it has one; any thread may ask."""
+        """The current or requested goal, with a heading if it has one; any thread may read this."""
         control = self._runner._callbacks["control"]
         if not isinstance(control, GoToPoint):
             return self._asked
@@ -71,7 +71,7 @@ class Driving(Choice):
 
     @property
     def path(self) -> list[list[float]] | None:
-        """The waypoints that it drives along, or is to; any thread may ask."""
+        """The current or requested waypoints; any thread may read this."""
         control = self._runner._callbacks["control"]
         if isinstance(control, FollowPath):
             return np.asarray(control.waypoints).tolist()  # type: ignore[no-any-return]
@@ -93,16 +93,16 @@ class Driving(Choice):
         return self._stages.fill("control", SIGNALS[name](self._runner.model.dt))
 
     def go_to(self, x: float, y: float) -> Remarks:
-        """Drive to a point, as near as the walls allow; in the thread of the run."""
+        """Drive to a point, or as near as the walls allow; in the thread of the run."""
         self._check()
         width, height = self._runner.area
         if not self._is_endless and not (0 <= x <= width and 0 <= y <= height):
-            raise Refused("the point lies outside of the work area")
+            raise Refused("the point is outside of the work area")
         self._goal = self._within([(x, y)])[0].tolist()
         return self._go_on_to(self._goal)
 
     def follow(self, points: Sequence[Point]) -> Remarks:
-        """Drive along a path, as near as the walls allow; in the thread of the run."""
+        """Drive along a path, or as near as the walls allow; in the thread of the run."""
         self._check()
         path = _spaced(self._within(points)) if points else np.empty((0, 2))
         if len(path) < 2:
@@ -113,14 +113,14 @@ class Driving(Choice):
     def _go_on_to(self, goal: Point | None) -> Remarks:
         x, y = goal or self._here()
         remarks = self._stages.fill("control", GoToPoint(x, y))
-        return remarks if goal else ["Click in the picture where the robot is to go", *remarks]
+        return remarks if goal else ["Click in the picture to set the goal", *remarks]
 
     def _go_on_along(self, path: Sequence[Point] | None) -> Remarks:
         remarks = self._stages.fill("control", FollowPath(path or [self._here()]))
-        return remarks if path else ["Draw in the picture where the robot is to go", *remarks]
+        return remarks if path else ["Draw a path in the picture", *remarks]
 
     def _here(self) -> Point:
-        """Return where the robot is, as far as known, so that it stays there."""
+        """Return the robot's known position, so that the robot stays there."""
         step = self._runner.last_step
         seen = step.estimate or step.measurement
         if seen is None and step.frame is not None:
@@ -137,7 +137,7 @@ class Driving(Choice):
 
     @property
     def _why_not(self) -> str | None:
-        """Why nothing of the panel's can drive the robot."""
+        """Return why the panel cannot drive the robot; None = it can."""
         if isinstance(self._runner, Experiment) and self._runner._motors is None:
             return "the panel cannot drive this robot: the experiment was made without send=..."
         return None
@@ -147,7 +147,7 @@ class Driving(Choice):
         return self._runner.boundary == "unlimited"
 
     def _within(self, points: Sequence[Point]) -> Floats:
-        """Return points where the robot can be: by a wall its centre is a radius away."""
+        """Return points that the robot can reach: its centre stays one radius off the walls."""
         found = np.array(points, float)
         if self._is_endless:
             return found
@@ -158,11 +158,11 @@ class Driving(Choice):
 
 
 def _spaced(points: Floats) -> Floats:
-    """Return a path without points that crowd: by hand, one does not draw straight lines."""
+    """Return a path without crowded points: hand-drawn lines are not straight."""
     kept = [points[0]]
     for point in points[1:]:
         if np.hypot(*(point - kept[-1])) >= _SPACING:
             kept.append(point)
     if len(kept) > 1:
-        kept[-1] = points[-1]  # the path ends where it was to end
+        kept[-1] = points[-1]  # the path keeps its end
     return np.array(kept)

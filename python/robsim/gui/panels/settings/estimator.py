@@ -1,4 +1,4 @@
-"""The state estimator that the panel offers, tuned to its world."""
+"""The panel's state estimator, tuned to the world."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from robsim.simulation import Experiment, PoseNoise, Simulation, WheelNoise
 
-# At run time it is imported where it is used, since a course can leave it out.
+# Imported at run time where needed, since a course can leave the module out.
 if TYPE_CHECKING:
     from robsim.estimation.reference.kalman import ExtendedKalmanFilter
 
@@ -18,9 +18,9 @@ Sigma = tuple[float, float, float]
 
 
 def why_no_default() -> str | None:
-    """Return why the panel has no state estimator of its own."""
+    """Return why the panel has no own state estimator."""
     if find_spec("robsim.estimation.reference") is None:
-        return "robsim.estimation.reference, which has one, is not installed here"
+        return "the module robsim.estimation.reference is not installed here"
     return None
 
 
@@ -36,12 +36,12 @@ def default_estimator(runner: Simulation | Experiment) -> ExtendedKalmanFilter:
     estimator = ExtendedKalmanFilter(runner.model, motor_delay=delay, prior=prior)
     tune(estimator, runner)
     if (step := runner.last_step).k > 0:
-        estimator.motion.steps_in(step.dt)  # raises where its model has not the dt of the frames
+        estimator.motion.steps_in(step.dt)  # raises if its model has another dt than the frames
     return estimator
 
 
 def tune(estimator: ExtendedKalmanFilter, runner: Simulation | Experiment) -> None:
-    """Give a filter the process noise of a simulated world; nobody knows that of an experiment."""
+    """Set a filter's process noise for a simulated world; an experiment's noise is unknown."""
     if isinstance(runner, Simulation):
         estimator.Q = np.diag(np.square(_process_sigma(runner)))
 
@@ -57,5 +57,5 @@ def _process_sigma(simulation: Simulation) -> Sigma:
         return along, along, heading
     from robsim.estimation.reference.estimator import PROCESS_SIGMA
 
-    # Without a disturbance 0 is right, but a filter with 0 does not recover from a bounce.
+    # Without a disturbance 0 is correct, but a filter with 0 never recovers from a bounce.
     return PROCESS_SIGMA

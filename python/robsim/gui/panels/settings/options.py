@@ -1,4 +1,4 @@
-"""The options of a world as the panel has them: the forms of their values, as data of files."""
+"""The options of a world in the panel: the forms of their values, as data of files."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ NONE, VALUE = "none", "value"  # forms; the others are words of the option, or t
 
 
 def option_of(name: str, data: Any) -> Any:
-    """Return the value of an option from data of a browser; TypeError, ValueError: it is wrong."""
+    """Return an option's value from a browser's data; TypeError, ValueError if it is invalid."""
     if name not in OPTIONS:
-        raise Refused(f"there is no option {name!r}")
+        raise Refused(f"unknown option {name!r}")
     if data is None:
         return OPTIONS[name].checked(None)
     if isinstance(data, str) and name == "seed" and data.isdecimal():
-        return int(data)  # a browser has no numbers so large
+        return int(data)  # a browser cannot hold such large numbers
     if isinstance(data, str) and name == "markers" and data in robot_names():
         return OPTIONS[name].checked(data)
     return options_of({name: data})[name]
@@ -35,7 +35,7 @@ def default_of(name: str) -> Any:
 
 
 def described(option: Option, scenario: Scenario) -> dict[str, Any]:
-    """Return an option of a scenario, as the message ``options`` has it."""
+    """Return a scenario's option in the form of the message ``options``."""
     value, default = getattr(scenario, option.name), default_of(option.name)
     form, forms = _form_of(option, value), _forms(option, scenario)
     is_known = form in forms
@@ -54,14 +54,14 @@ def described(option: Option, scenario: Scenario) -> dict[str, Any]:
 
 
 def _data(name: str, form: str, value: Any) -> Any:
-    """Return the data of a value in a form that can be given in here."""
+    """Return the data of a value in an editable form."""
     if value is None or name == "seed":
         return value and str(value)
     return form if name in ("robot", "markers") or value == form else data_of(name, value)
 
 
 def _forms(option: Option, scenario: Scenario) -> dict[str, Any]:
-    """Return the forms that a value can be given in here, each with data to begin with."""
+    """Return the editable forms of a value, each with initial data."""
     if isinstance(option, Choice):
         return {choice: choice for choice in option.choices}
     name, (width, height) = option.name, scenario.area
@@ -89,7 +89,7 @@ def _takes_none(option: Option) -> bool:
 
 
 def _example(kind: Any) -> Any:
-    """Return a value of a type to begin with; None where the panel cannot make one."""
+    """Return an initial value of a type; None if the panel cannot make one."""
     try:
         return made(kind, kind._LEVEL.default) if hasattr(kind, "_LEVEL") else kind()
     except TypeError:
@@ -102,7 +102,7 @@ def _form_of(option: Option, value: Any) -> str:
     if isinstance(option, Choice) or value == "random":
         return str(value)
     for name in robot_names() if option.name in ("robot", "markers") else ():
-        with suppress(OSError, ValueError):  # one that was broken by hand
+        with suppress(OSError, ValueError):  # a file that was damaged by hand
             if value in (as_robot(name), as_robot(name).marker_layout()):
                 return name
     kind = type(value)

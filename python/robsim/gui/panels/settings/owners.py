@@ -1,4 +1,4 @@
-"""Whose callbacks are in the slots: the user's, or what the panel has put there."""
+"""The owners of the callbacks in the slots: the user or the panel."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ Owner = Literal["off", "default", "mine"]
 
 
 class Owners:
-    """Keeps what the user has given for the slots, so that it can be chosen again.
+    """Keeps the user's values of the slots, so that the user can choose them again.
 
-    That is what was there when the panel was opened, what the user fills a slot with later, such
-    as in a cell, and the files of a folder. Reading is for any thread: slots hold plain values.
+    These are the initial values, later values such as from a cell, and the files of a folder.
+    Any thread may read: slots hold plain values.
     """
 
     def __init__(self, runner: Simulation | Experiment) -> None:
         self._runner = runner
-        self._made: dict[str, tuple[object, object]] = {}  # by the panel: the last two of a slot
+        self._made: dict[str, tuple[object, object]] = {}  # the panel's last two of a slot
         self._users: dict[str, Any] = {}
         self.look()
 
     def look(self) -> None:
-        """Notice what the user has put into slots since the last time."""
+        """Note the user's new values of slots since the last call."""
         for slot in self._runner.SLOTS:
             if self.of(slot) == "mine":
                 self._users[slot] = self._runner._callbacks[slot]
 
     def of(self, slot: str) -> Owner:
-        """Return whose callback is in a slot."""
+        """Return the owner of the callback in a slot."""
         value = self._runner._callbacks[slot]
         if value is None or value is False:
             return "off" if SLOTS[slot].is_optional else "default"
@@ -41,12 +41,12 @@ class Owners:
         return "mine"
 
     def is_made(self, slot: str) -> bool:
-        """Return whether the panel has made what is in a slot."""
+        """Return whether the panel made the value of a slot."""
         value = self._runner._callbacks[slot]
         return value is not None and any(value is made for made in self._made.get(slot, ()))
 
     def why_not_mine(self, slot: str) -> str | None:
-        """Return why there is nothing of the user's for a slot; None = there is."""
+        """Return why a slot has no user's value; None = it has one."""
         files = self._runner._from_folder
         if files.get(slot) is False:
             return f"{slot}.py is switched off: it has ENABLED = False"
@@ -55,23 +55,23 @@ class Owners:
         if self._runner._folder is not None:
             return f"your folder has no {slot}.py"
         run = "exp" if isinstance(self._runner, Experiment) else "sim"
-        return f"you have not given one: {run}.{slot} = ... in a notebook, or a folder's {slot}.py"
+        return f"yours is missing: set {run}.{slot} = ... in a cell, or add {slot}.py to a folder"
 
     def put(self, slot: str, value: Any) -> None:
-        """Fill a slot with something of the panel's; in the thread of the run."""
+        """Fill a slot with a value of the panel; in the thread of the run."""
         # Another thread may look between these lines.
         self._made[slot] = (self._runner._callbacks[slot] if self.is_made(slot) else None, value)
         self._runner._choose(slot, value)
 
     def put_mine(self, slot: str) -> None:
-        """Fill a slot with the user's own; in the thread of the run."""
+        """Fill a slot with the user's value; in the thread of the run."""
         if callable(self._runner._from_folder.get(slot)):
             self._runner._choose_file(slot)
         else:
             self._runner._choose(slot, self._users[slot])
 
     def kept(self, slots: tuple[str, ...]) -> Callable[[], None]:
-        """Return what puts the slots back as they are now."""
+        """Return a function that restores the slots' current values."""
         runner = self._runner
         before = {slot: (runner._callbacks[slot], runner._given[slot]) for slot in slots}
 
@@ -90,7 +90,7 @@ class Owners:
 
 
 def owners_of(runner: Simulation | Experiment) -> Owners:
-    """Return those of a run: another panel of it knows what the last one has put there."""
+    """Return a run's owners; all panels of the run share them."""
     if "_owners" not in vars(runner):
         vars(runner)["_owners"] = Owners(runner)
     owners: Owners = vars(runner)["_owners"]

@@ -10,31 +10,31 @@ from robsim.base.text import quoted
 from robsim.base.values import Level
 from robsim.gui._link import Refused
 
-#: What is to be said of a change beyond itself, such as what it has switched on, too.
+#: Additional effects of a change, such as other switches.
 Remarks = list[str]
 
 
 class Setting(ABC):
-    """A control: its value is that of the run, wherever it was changed."""
+    """A control: it always has the run's value, even after a change elsewhere."""
 
     name: str
-    tip: str = ""  # beyond the texts of the browser
-    label: str = ""  # instead of that in the texts of the browser
-    card: str  # of the browser, on which it stands
+    tip: str = ""  # in addition to the browser's texts
+    label: str = ""  # replaces the browser's text
+    card: str  # the browser's card that shows it
     kind: ClassVar[str]
 
     @property
     @abstractmethod
     def value(self) -> Any:
-        """The value of the run; any thread may ask."""
+        """The value of the run; any thread may read this."""
 
     @abstractmethod
     def set(self, value: Any) -> Remarks:
-        """Change it, in the thread of the run; raise `Refused` if that cannot be."""
+        """Change the value, in the thread of the run; raise `Refused` if that is impossible."""
 
     @abstractmethod
     def limits(self) -> dict[str, Any]:
-        """Return what it can be set to, as fields of the message ``setup``."""
+        """Return the allowed values, as fields of the message ``setup``."""
 
     def described(self) -> dict[str, Any]:
         """Return its entry in the message ``setup``."""
@@ -43,17 +43,17 @@ class Setting(ABC):
 
 
 class Choice(Setting):
-    """One of some names."""
+    """A choice between names."""
 
     kind: ClassVar[str] = "choice"
 
     @abstractmethod
     def choices(self) -> Mapping[str, str | None]:
-        """Return the names, and why one cannot be chosen, or None."""
+        """Return the names; the value is the reason against a choice, or None."""
 
     @abstractmethod
     def choose(self, name: str) -> Remarks:
-        """Change it, in the thread of the run, to a name that can be chosen."""
+        """Choose an available name, in the thread of the run."""
 
     def set(self, value: Any) -> Remarks:
         choices = self.choices()
@@ -75,7 +75,7 @@ class Range(Setting):
 
     @abstractmethod
     def move(self, value: float) -> Remarks:
-        """Change it, in the thread of the run, to a number within the limits."""
+        """Set the value, in the thread of the run, to a number within the limits."""
 
     def is_within(self, value: float) -> bool:
         return self.range.low <= value <= self.range.high

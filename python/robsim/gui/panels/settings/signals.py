@@ -11,14 +11,14 @@ from robsim.control.by_name import OPEN_LOOP
 
 # Steps and frequencies of the defaults suit the sample time of the default robot.
 _DT = 0.2  # s
-_HIGHEST = 0.4  # of the sampling frequency: half of it is too much
+_HIGHEST = 0.4  # of the sampling frequency, below the Nyquist frequency (0.5)
 _LEAST_BAND = 10.0  # highest to lowest frequency
 
 
 def _suited(kind: Callable[[], Any], dt: float) -> Any:
     """Return a signal with the default options, as far as they suit a sample time (s)."""
     default = kind()
-    if hasattr(default, "hold"):  # its voltages are held as long
+    if hasattr(default, "hold"):  # voltages are held for this time
         return type(default)(hold=max(1, round(default.hold * _DT / dt)))
     if hasattr(default, "maximum_frequency"):
         highest = min(default.maximum_frequency, _HIGHEST / dt)
@@ -29,9 +29,9 @@ def _suited(kind: Callable[[], Any], dt: float) -> Any:
 
 OFF = "off"
 
-#: By the names of the command line; each is made for a sample time (s).
+#: By the names of the command line; each needs a sample time (s).
 SIGNALS: Mapping[str, Callable[[float], Any]] = {
-    OFF: lambda dt: Spin(voltage=0.0),  # a robot that is told nothing more drives on
+    OFF: lambda dt: Spin(voltage=0.0),  # a robot without new commands drives on
     **{name: partial(_suited, kind) for name, kind in OPEN_LOOP.items()},
 }
 
@@ -41,7 +41,7 @@ SIGNAL_KINDS = {type(plain): name for name, plain in _PLAIN.items() if name != O
 
 
 def signal_of(control: object) -> str | None:
-    """Return the name of a signal with its default options, which anybody may have chosen."""
+    """Return the name of a signal with default options, whether the panel or a user set it."""
     for name, plain in _PLAIN.items():
         if type(control) is type(plain) and control == plain:
             return name

@@ -1,4 +1,4 @@
-"""The stages of a step: off, robsim's own, or the user's, with what each of them needs."""
+"""The stages of a step: off, robsim's own, or the user's, with their requirements."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SOURCES = {"measurement": "measure", "estimate": "estimate_state"}  # of the po
 
 
 class Stages:
-    """Fills slots so that the run can continue; all but `choices` is for its thread."""
+    """Fills slots so that the run can continue; only `choices` may run in other threads."""
 
     def __init__(self, runner: Simulation | Experiment, owners: Owners) -> None:
         self._runner = runner
@@ -31,16 +31,16 @@ class Stages:
         return self.change(slot, lambda: self._put(slot, owner))
 
     def fill(self, slot: str, value: Any) -> Remarks:
-        """Fill a slot with something of the panel's."""
+        """Fill a slot with a value of the panel."""
         return self.change(slot, lambda: self._owners.put(slot, value))
 
     def change(self, slot: str, put: Callable[[], None]) -> Remarks:
-        """Fill a slot, switch on what it needs, and off what needs something that is off now.
+        """Fill a slot, switch on its requirements, and switch off slots that lack one now.
 
-        If the run could not go on then, all remains as it was.
+        If the run could not continue, all slots keep their values.
         """
         had_problem = self._problem() is not None
-        was_lacking = self._all_lacking()  # as frames may bring what a slot needs
+        was_lacking = self._all_lacking()  # frames may also bring the needs of a slot
         put_back = self._owners.kept(STAGES)
         try:
             put()
@@ -54,7 +54,7 @@ class Stages:
         return remarks
 
     def tune(self) -> None:
-        """Let the panel's state estimator know the world as it is now."""
+        """Adapt the panel's state estimator to the current world."""
         if self._owners.is_made("estimate_state") and self._runner._is_on("estimate_state"):
             tune(self._runner._callbacks["estimate_state"], self._runner)
 
@@ -69,7 +69,7 @@ class Stages:
             self._owners.put(slot, True)
 
     def _switch_on(self, slot: str) -> Remarks:
-        """Switch on what a slot lacks, and what that lacks."""
+        """Switch on the missing requirements of a slot, and their requirements."""
         remarks = []
         for lacking in self._lacking(slot):
             who, what = SLOTS[slot].title, SLOTS[lacking].title
@@ -80,14 +80,14 @@ class Stages:
         return remarks
 
     def _switch_off(self, was_lacking: set[str]) -> Remarks:
-        """Switch off what has begun to lack something, one after the other."""
+        """Switch off slots that now lack a requirement, one after the other."""
         remarks = []
         while begun := self._all_lacking() - was_lacking:
             slot = begun.pop()
             what = SLOTS[self._lacking(slot)[0]].title
             if slot == "control":
                 self._owners.put(slot, SIGNALS[OFF](self._runner.model.dt))
-                remarks.append(f"The robot stands still: its controller needs {what}")
+                remarks.append(f"The robot stands still because its controller needs {what}")
             else:
                 self._owners.put(slot, False)
                 remarks.append(_sentence(f"{SLOTS[slot].title} is off, too: it needs {what}"))
@@ -97,7 +97,7 @@ class Stages:
         return {slot for slot in STAGES if self._lacking(slot)}
 
     def _lacking(self, slot: str) -> list[str]:
-        """Return a slot for each need of another one that none fills."""
+        """Return a slot for each unfilled need of a slot."""
         if not self._runner._is_on(slot):
             return []
         return [
@@ -107,7 +107,7 @@ class Stages:
         ]
 
     def _needs(self, slot: str) -> list[tuple[str, ...]]:
-        """Return the needs of a slot: of each, the slots of which one is enough."""
+        """Return the needs of a slot; each need lists its alternative slots."""
         needs = [needed_slots(self._runner._callbacks[slot])]
         if slot == "estimate_state" and self._owners.is_made(slot):
             needs.append(("measure",))
@@ -119,7 +119,7 @@ class Stages:
         return needs
 
     def _problem(self) -> str | None:
-        """Return why the run could not go on."""
+        """Return why the run could not continue; None = it could."""
         try:
             self._runner._check_slots()  # not the world: no slot can repair it
         except ValueError as error:

@@ -26,7 +26,7 @@ def world_settings(simulation: Simulation) -> list[Setting]:
 
 
 class DisturbanceKind(Choice):
-    """The kind of the camera noise or of the process noise: a type in the row of the option."""
+    """The kind of the camera noise or of the process noise, from the option's row."""
 
     card = "world"
 
@@ -49,13 +49,13 @@ class DisturbanceKind(Choice):
 
     @property
     def range(self) -> Level:
-        """The levels of the disturbance, or of the last one."""
+        """The range of levels of the current or last disturbance."""
         level: Level = self._kinds[self._last if self._noise is None else self.value]._LEVEL
         return level
 
     @property
     def level(self) -> float:
-        """The level of the disturbance, or of the last one."""
+        """The level of the current or last disturbance."""
         return float(self._levels[self.range] if self._noise is None else self._noise._level)
 
     def choices(self) -> Mapping[str, str | None]:
@@ -67,7 +67,7 @@ class DisturbanceKind(Choice):
         return self._set(None if kind is None else made(kind, self._levels[kind._LEVEL]))
 
     def move(self, level: float) -> Remarks:
-        """Set the level; without a disturbance there is one of the last kind then."""
+        """Set the level; if the disturbance is off, switch on the last kind."""
         self._note()
         return self._set(made(self._kinds[self._last], level))
 
@@ -83,7 +83,7 @@ class DisturbanceKind(Choice):
 
 
 def made(kind: Any, level: float) -> Any:
-    """Return a disturbance of a level: most kinds take nothing else."""
+    """Return a disturbance with a level: most kinds have no other argument."""
     return getattr(kind, "_of_level", kind)(level)
 
 
@@ -109,7 +109,7 @@ class DisturbanceLevel(Range):
 
 
 class OptionSlider(Range):
-    """An option that is a number, or has one: its row names and limits it."""
+    """A numeric option, or an option with a number; the option's row has name and limits."""
 
     card = "world"
 
