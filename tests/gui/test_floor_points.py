@@ -55,9 +55,9 @@ def test_each_change_is_undone_and_a_drag_is_one(points):
 
 def test_what_is_refused_changes_nothing(points):
     points.add((1, 2))
-    assert points.draft.problems()[0].startswith("point 1 has no place")
+    assert points.draft.problems()[0].startswith("point 1 has no position")
     points.add((1.1, 2), (3, 4))
-    assert any("points 1 and 2 lie on each other" in one for one in points.draft.problems())
+    assert any("points 1 and 2 coincide" in one for one in points.draft.problems())
     before = points.draft
     for act, said in (
         (lambda: points.add((1, float("nan"))), "pixel must"),
@@ -65,7 +65,7 @@ def test_what_is_refused_changes_nothing(points):
         (lambda: points.add((1, 2), 3), "position must"),
         (lambda: points.move(7, (1, 2)), "point 7"),
         (lambda: points.nudge(1, 3), "by must"),
-        (lambda: points.put([(1, 2)], [(1, 2), (3, 4)]), "as many"),
+        (lambda: points.put([(1, 2)], [(1, 2), (3, 4)]), "same length"),
         (lambda: points.put([(1, 2)] * (MOST + 1), [(1, 2)] * (MOST + 1)), f"at most {MOST}"),
         (lambda: points.adjust(area=(3, 3)), "area must"),
         (lambda: points.adjust(marker_height=-1), "marker_height must"),

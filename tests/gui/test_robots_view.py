@@ -94,7 +94,7 @@ def test_what_is_wrong_is_said_and_changes_nothing(view, browser):
         ("capture", {}, "no live picture"),
         ("resume", {}, "no camera"),
         ("save", {"name": "a/b", "overwrite": False}, "name"),
-        ("scale", {"one": [1, 1], "other": [1, 1], "distance": 3}, "a pixel apart"),
+        ("scale", {"one": [1, 1], "other": [1, 1], "distance": 3}, "one pixel apart"),
     ):
         browser.say(kind, **fields)
         assert said in browser.take("note", level="error")[0]["text"]
@@ -315,7 +315,7 @@ def test_what_is_wrong_is_refused_and_changes_nothing(drawn):
         (lambda: drawn.remove("red", -1), "corner"),
         (lambda: drawn.turn(math.inf), "degrees"),
         (lambda: drawn.face(drawn.sketch.middle), "towards"),
-        (lambda: drawn.scale((1, 1), (1, 1), 5), "a pixel apart"),
+        (lambda: drawn.scale((1, 1), (1, 1), 5), "one pixel apart"),
         (lambda: drawn.scale((1, 1), (2, 1), 9000), "size"),
     ):
         with pytest.raises((TypeError, ValueError), match=said):

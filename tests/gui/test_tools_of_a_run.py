@@ -222,7 +222,7 @@ def test_another_robot_of_the_same_name_is_not_written_over(watch, user_folder):
     used(watcher)
     assert load_robot("mine").image.shape == load_robot("sheep").image.shape
     assert watcher.view.runner.robot.name == "mine2"
-    assert "saved as mine2; mine2 is the default robot from now on" in watcher.notes()
+    assert "saved as mine2; mine2 is now the default robot" in watcher.notes()
 
 
 def test_a_colour_file_that_was_not_opened_is_not_written_over(watcher, tmp_path, monkeypatch):

@@ -70,7 +70,7 @@ def test_a_picture_comes_in_parts_and_is_shown(view, browser):
     np.testing.assert_array_equal(shown(view), FLOOR)
     assert view._setup()["back"] is None
     browser.say("back")
-    assert "nothing to go back to" in browser.take("note", level="error")[0]["text"]
+    assert "nothing to return to" in browser.take("note", level="error")[0]["text"]
     assert waiting(view) == []
 
 
@@ -90,11 +90,11 @@ def first_part(content=b"x" * 300, **fields):
 
 def test_what_is_wrong_is_said_and_leaves_nothing(view):
     for parts, said in (
-        ([(b"x", {"at": 7})], "not known here any more"),
+        ([(b"x", {"at": 7})], "no longer known"),
         ([(b"x" * 100, {}), (b"x", {"at": 99})], "byte 99 after 100"),
-        ([(b"x" * 301, {})], "another size than the 300 bytes"),
-        ([(b"x" * 100, {}), (b"", {"at": 100})], "another size"),
-        ([(b"x" * 100, {}), (b"x", {"at": 100, "size": 900})], "another file"),
+        ([(b"x" * 301, {})], "differs from the announced 300 bytes"),
+        ([(b"x" * 100, {}), (b"", {"at": 100})], "differs from the announced"),
+        ([(b"x" * 100, {}), (b"x", {"at": 100, "size": 900})], "changed during the upload"),
         ([(b"", {"size": 0})], "p.png is empty"),
         ([(b"x", {"size": 65 * 10**6 + 2_108_864})], "at most 64 MB"),
         ([(b"x" * 300, {})], "p.png is not in an image format"),
@@ -167,14 +167,14 @@ def test_what_stalls_is_forgotten(view, browser, monkeypatch):
     browser.take("uploaded", state="more")
     wait_for(lambda: not view._uploads._coming)
     browser.say("upload", b"x", **first_part(at=1))
-    assert "load it again" in browser.take("uploaded", state="refused")[0]["text"]
+    assert "load the file" in browser.take("uploaded", state="refused")[0]["text"]
 
 
 def test_only_so_many_come_at_the_same_time(view, browser):
     for key in "1234":
         browser.say("upload", b"x", **first_part(key=key))
     browser.say("upload", b"x", **first_part(key="5"))
-    assert "too many files" in browser.take("uploaded", state="refused")[0]["text"]
+    assert "too many uploads" in browser.take("uploaded", state="refused")[0]["text"]
     assert len(waiting(view)) == 4
 
 

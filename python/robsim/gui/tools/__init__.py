@@ -1,1 +1,1 @@
-"""Panels in which something is made with the mouse: colours, robots, calibrations."""
+"""Panels for making things with the mouse: colours, robots, calibrations."""

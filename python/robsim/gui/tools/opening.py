@@ -1,4 +1,4 @@
-"""The doors of the tools: `color_panel`, `robot_panel`, `floor_panel`, and their pictures."""
+"""The entry points of the tools: `color_panel`, `robot_panel`, `floor_panel`, and pictures."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from robsim.vision.robots.lookup import as_robot
 _FILE, _EXAMPLE_FILE = "camera.toml", "example.toml"
 _DRAFT = FloorDraft(area=(1200, 1200), mm_per_px=2.0)
 
-#: What a tool is opened on.
+#: The sources of a tool's pictures.
 Seen = Camera | Recording | Simulation | Experiment | Frame | images.Pixels
 
 
@@ -53,20 +53,20 @@ def color_panel(
     robot: str | PathLike[str] | RobotDefinition | None = None,
     file: str | PathLike[str] = "colors.toml",
 ) -> ColorPanel:
-    """Open the panel that trains colours, on pictures: mark a region, adjust its ranges, test them.
+    """Open the panel that trains colours on pictures: mark a region, adjust and test its ranges.
 
     Parameters
     ----------
     what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        Whose pictures. A path is that of a picture, of a folder of them, or of a video; of a
-        simulation or an experiment it shows what its panel (`robsim.panel`) has. Default: the
-        picture of the robot.
+        Source of the pictures. A path names a picture, a folder of pictures or a video. For a
+        simulation or an experiment, the tool shows the pictures of its panel
+        (`robsim.panel`). Default: the picture of the robot.
     colors : path or iterable of ColorClass, optional
-        The classes to begin with. Default: those in `file`, if it is there, or none.
+        Initial classes. Default: the classes in `file`, if it exists, otherwise none.
     robot : name, path or RobotDefinition, optional
-        The robot that is looked for with them. Default: the default robot.
+        The robot to find with these classes. Default: the default robot.
     file : path
-        Where Save writes them, unless another file is named there.
+        Default file of Save.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def color_panel(
     OSError
         If a file cannot be read.
     TypeError, ValueError
-        If an argument has the wrong type, or is no such file; the message names it.
+        If an argument has the wrong type, or a file is unsuitable; the message names it.
 
     Examples
     --------
@@ -108,21 +108,21 @@ def floor_panel(
     calibration: Calibration | str | PathLike[str] | None = None,
     file: str | PathLike[str] | None = None,
 ) -> FloorPanel:
-    """Open the panel that calibrates where a camera looks at the floor from.
+    """Open the panel that calibrates a camera's view of the floor.
 
-    Points are placed on the picture by the mouse, under a magnifying glass, and their places on the
-    floor typed in; or printed sheets are found. How well they fit shows at once.
+    Place points on the picture with the mouse under a magnifying glass, and enter their positions
+    on the floor, or find printed sheets. The panel shows the quality of the fit at once.
 
     Parameters
     ----------
     what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        Whose pictures. A path is that of a picture, of a folder of them, or of a video. Default: an
-        example, a floor of tiles.
+        Source of the pictures. A path names a picture, a folder of pictures or a video. Default:
+        an example, a floor of tiles.
     calibration : Calibration or path, optional
-        What is known already: a lens, or a floor, too. Default: what is in `file`, if it is there.
+        Known lens, and optionally floor. Default: the calibration in `file`, if it exists.
     file : path, optional
-        Where Save writes it, unless another file is named there. Default: that of `calibration`, or
-        ``camera.toml``; of the example ``example.toml``.
+        Default file of Save. Default: the file of `calibration`, or ``camera.toml``; for the
+        example ``example.toml``.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def floor_panel(
     OSError
         If a file cannot be read.
     TypeError, ValueError
-        If an argument has the wrong type, or is no such file; the message names it.
+        If an argument has the wrong type, or a file is unsuitable; the message names it.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def floor_panel(
     """
     given = None if file is None else as_path(file, "file")
     if what is None and calibration is None and given is None:
-        given = Path(_EXAMPLE_FILE)  # yours stays as it is
+        given = Path(_EXAMPLE_FILE)  # the user's file stays unchanged
     known, path, is_read = _known(calibration, given)
     example = OnePicture(tiled_floor(), TITLE) if what is None else None
     source = example or pictures_of(what, as_robot(None))
@@ -157,7 +157,7 @@ def floor_panel(
 
 
 def _known(calibration: Any, file: Path | None) -> tuple[Calibration | None, Path, bool]:
-    """Return what is known already, the file to write, and whether that is where it is from."""
+    """Return the known calibration, the file to write, and whether the file has been read."""
     if isinstance(calibration, Calibration):
         return calibration, file or Path(_FILE), False
     if calibration is None:
@@ -183,17 +183,17 @@ def robot_panel(
     robot: str | PathLike[str] | RobotDefinition | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
 ) -> RobotPanel:
-    """Open the panel that defines a robot: capture its picture, draw outline and markers, save it.
+    """Open the panel that defines a robot: capture its picture, draw outline and markers, save.
 
     Parameters
     ----------
     what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        What its picture is captured from. A path is that of a picture, of a folder of them, or of a
-        video. Default: nothing; a robot that there is, is drawn on.
+        Source of the picture. A path names a picture, a folder of pictures or a video. Default:
+        none; the drawing starts from an existing robot.
     robot : name, path or RobotDefinition, optional
-        What is drawn at first. Default: the default robot.
+        The robot to draw on. Default: the default robot.
     colors : path or iterable of ColorClass, optional
-        Those of the markers, by which they are guessed. Default: the shipped ones.
+        Colours for guessing the markers. Default: the shipped ones.
 
     Returns
     -------
@@ -205,7 +205,7 @@ def robot_panel(
     OSError
         If a file cannot be read.
     TypeError, ValueError
-        If an argument has the wrong type, or is no such file; the message names it.
+        If an argument has the wrong type, or a file is unsuitable; the message names it.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def robot_panel(
 
 
 def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
-    """Return what shows the pictures of something; TypeError or ValueError if it has none."""
+    """Return the source of the pictures of `what`; TypeError or ValueError if it is unsuitable."""
     if what is None:
         return OnePicture(picture_of(robot), f"the picture of the robot {robot.name}")
     if isinstance(what, Camera):

@@ -1,4 +1,4 @@
-"""What users hold of every tool: its pictures, and how it ends."""
+"""The methods common to all tools: pictures, undo, closing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class ToolPanel(HostedPanel):
-    """A panel in which something is made on pictures."""
+    """A panel that works on pictures."""
 
     _view: ToolView
 
@@ -25,12 +25,12 @@ class ToolPanel(HostedPanel):
         super().__init__()
 
     def load(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
-        """Show a picture in place of those that are shown, as if it were dropped on the tool.
+        """Show another picture, as if it were dropped on the tool.
 
         Parameters
         ----------
         picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
-            The picture; what is transparent in it is shown grey.
+            The picture; transparent pixels appear grey.
 
         Raises
         ------
@@ -39,34 +39,34 @@ class ToolPanel(HostedPanel):
         RuntimeError
             If the panel is closed.
         TypeError, ValueError
-            If it is no picture, or cannot be used; what is shown stays then.
+            If the picture is invalid or unusable; the displayed picture then stays.
         """
         self._view.load_picture(picture)
 
     def go_back(self) -> None:
-        """Show again what the panel was opened on, as it was before a picture was loaded.
+        """Return to the panel's original pictures after `load`.
 
         Raises
         ------
         RuntimeError
             If the panel is closed.
         ValueError
-            If that is what is shown.
+            If the panel shows its original pictures.
         """
         self._view.ask(self._view.go_back)
 
     def freeze(self, on: bool = True) -> None:
-        """Let the live picture stay as it is, or go on.
+        """Freeze the live picture, or continue.
 
         Parameters
         ----------
         on : bool
-            Whether it stays.
+            Whether to freeze the picture.
 
         Raises
         ------
         TypeError, ValueError
-            If `on` is not True or False, or there is nothing to be kept.
+            If `on` is not True or False, or the tool has no live picture to freeze.
         """
         check_bool("on", on)
         self._view.ask(lambda: self._view.freeze(on))
@@ -77,32 +77,32 @@ class ToolPanel(HostedPanel):
         Parameters
         ----------
         k : int
-            Its number, from 0.
+            Number of the picture, from 0.
 
         Raises
         ------
         TypeError, ValueError
-            If there is none.
+            If the number is invalid.
         """
         count = self._view.source.count
         if not count:
-            raise ValueError("k must be of a recording, which is not what is shown")
+            raise ValueError("k must name a picture of a recording; the panel shows none")
         k = check_int("k", k, minimum=0, maximum=count - 1)
         self._view.ask(lambda: self._view.look_at(k))
 
     def undo(self) -> None:
-        """Undo the last change; nothing if there is none."""
+        """Undo the last change, if any."""
         self._view.ask(lambda: self._view.travel(self._view.history.undo))
 
     def redo(self) -> None:
-        """Do again what was undone last; nothing if there is nothing."""
+        """Redo the last undone change, if any."""
         self._view.ask(lambda: self._view.travel(self._view.history.redo))
 
     def _change(self, change: Callable[[], T]) -> T:
         return self._view.ask(lambda: self._view.change(change))
 
     def _look(self, function: Callable[[], T]) -> T:
-        """Return what a function returns of what was made, once it is closed, too."""
+        """Return a function's result about the product, even after closing."""
         try:
             return self._view.ask(function)
         except RuntimeError:
@@ -111,11 +111,11 @@ class ToolPanel(HostedPanel):
             return function()
 
     def _made(self) -> tuple[str, Any]:
-        """Return what a run is to have of it: the attribute and its value; in the view's thread."""
-        raise NotImplementedError  # where no run can have it
+        """Return the product for a run: the attribute and its value; in the view's thread."""
+        raise NotImplementedError  # no run uses this product
 
     def _keep(self) -> str:
-        """Keep it for later runs; return what was done, in the view's thread."""
+        """Save the product for later runs; return a summary, in the view's thread."""
         return ""
 
     @property

@@ -1,4 +1,4 @@
-"""Where the pictures of a tool come from: a picture, a recording, a camera, a run."""
+"""The sources of a tool's pictures: a picture, a recording, a camera, a run."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.sketch import over_floor
 
 _AROUND = 1.2  # side of the square around a robot, in sides of its picture
-_PATIENCE = 0.5  # s for a frame, before it is looked whether all is over
+_PATIENCE = 0.5  # s for a frame, before checking whether the source has ended
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +38,11 @@ class Picture:
 
 
 class Pictures:
-    """A source of pictures; those that are live tell of each new one, in a thread of their own."""
+    """A source of pictures; live sources report each new picture from their own thread."""
 
-    #: Whether new ones come by themselves.
+    #: Whether new pictures arrive automatically.
     is_live = False
-    #: How many there are to be looked at; None = only the newest one.
+    #: Number of available pictures; None = only the newest one.
     count: int | None = None
 
     def __init__(self, title: str) -> None:
@@ -50,17 +50,17 @@ class Pictures:
 
     @property
     def kind(self) -> str:
-        """What browsers call it: live, recording or picture."""
+        """The browsers' name of the kind: live, recording or picture."""
         if self.is_live:
             return "live"
         return "recording" if self.count else "picture"
 
     def at(self, k: int) -> Picture:
-        """Return one of several; the number is within `count`."""
-        raise LookupError(f"{self.title} has its newest picture alone")
+        """Return one of several pictures; the number is below `count`."""
+        raise LookupError(f"{self.title} has only its newest picture")
 
     def begin(self, take: Callable[[Picture], object], fail: Callable[[str], object]) -> None:
-        """Tell of the pictures from now on, and of what ends them, in any thread."""
+        """Report pictures from now on, and the end of the source, in any thread."""
         take(self.at(0))
 
     def robot_in(self, picture: Picture) -> tuple[float, float, float] | None:
@@ -68,14 +68,14 @@ class Pictures:
         return None
 
     def settle(self) -> None:
-        """Wait until the pictures that are known by now have been told of."""
+        """Wait until all pictures so far have been reported."""
 
     def close(self) -> None:
-        """Tell of no more; what belongs to the user stays open."""
+        """Stop reporting; the user's objects stay open."""
 
 
 class OnePicture(Pictures):
-    """A picture that stays as it is."""
+    """A single picture."""
 
     def __init__(self, image: Frame | images.Pixels, title: str) -> None:
         super().__init__(title)
@@ -98,7 +98,7 @@ class RecordedPictures(Pictures):
 
 
 class CameraPictures(Pictures):
-    """What a camera sees, which is read in a thread."""
+    """The pictures of a camera, which a thread reads."""
 
     is_live = True
 
@@ -130,9 +130,9 @@ class CameraPictures(Pictures):
 
 
 class RunPictures(Pictures):
-    """What the camera of a run sees, while a panel drives it.
+    """The pictures of a run's camera, while a panel drives the run.
 
-    `mine` is the panel, if it was opened for this; `close` closes it, too.
+    `mine` is the panel, if it was opened for this source; `close` closes it, too.
     """
 
     is_live = True
@@ -193,9 +193,9 @@ def picture_of(robot: RobotDefinition) -> Frame:
 
 
 def given_picture(picture: Any) -> tuple[images.Pixels, str]:
-    """Return the pixels (h, w, 3 or 4) of a picture, and what people call it.
+    """Return the pixels (h, w, 3 or 4) of a picture, and a readable name.
 
-    OSError: its file cannot be read. TypeError, ValueError: it is no picture.
+    OSError: its file cannot be read. TypeError, ValueError: it is not a picture.
     """
     if isinstance(picture, Frame):
         return picture.image, "a picture"

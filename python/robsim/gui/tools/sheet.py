@@ -1,4 +1,4 @@
-"""Drawing of the tools' still pictures: a sheet with a picture and words beside it."""
+"""Drawing of the tools' still pictures: a sheet with a picture and a text column."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ Points = Sequence[Sequence[float]]
 
 TEXT, QUIET, LINE = "#1b1f24", "#59626e", "#d8dce2"
 ACCENT, CHOSEN, WARNING = "#5750d3", "#e9e8fb", "#8a5a00"
-RIM = "#000000"  # below a line: it is seen on any picture
+RIM = "#000000"  # under a line, for contrast on any picture
 
-_TIMES = 3  # as large as it becomes, all is drawn: against jagged edges
-_ALPHA = 200 / 255  # of what a class takes, on the picture
+_TIMES = 3  # oversampling against jagged edges
+_ALPHA = 200 / 255  # of a class's pixels, on the picture
 _FONTS = {"regular": "DejaVuSans", "bold": "DejaVuSans-Bold", "mono": "DejaVuSansMono"}
 
 
 class Sheet:
-    """A white sheet; lengths and places are in its pixels."""
+    """A white sheet; lengths and positions are in its pixels."""
 
     def __init__(self, width: int, height: int) -> None:
         self._image = Image.new("RGB", (_TIMES * width, _TIMES * height), "white")
@@ -44,14 +44,14 @@ class Sheet:
         kind: str = "regular",
         right: bool = False,
     ) -> float:
-        """Write a line whose middle is at a height; return where it ends."""
+        """Write a line with its middle at a height; return its right end."""
         font = _font(kind, size)
         anchor = "rm" if right else "lm"
         self._pen.text((_TIMES * at[0], _TIMES * at[1]), line, ink, font, anchor=anchor)
         return at[0] + font.getlength(line) / _TIMES
 
     def paragraph(self, at: tuple[float, float], text: str, width: float, **look: Any) -> float:
-        """Write lines of up to a width; return the height of the next one."""
+        """Write lines up to a width; return the height of the next line."""
         x, y = at
         for row in self.rows(text, width):
             self.text((x, y), row, **look)
@@ -62,7 +62,7 @@ class Sheet:
         return _font(kind, size).getlength(line) / _TIMES
 
     def rows(self, text: str, width: float) -> list[str]:
-        """Return a text in lines of up to a width."""
+        """Return a text in lines up to a width."""
         letter = self.length("n")
         return textwrap.wrap(text, max(8, int(width / letter)))
 
@@ -84,7 +84,7 @@ class Sheet:
         self.box((x - radius, y - radius, x + radius, y + radius), fill=ink, radius=radius)
 
     def title(self, kind: str, about: str) -> float:
-        """Write which tool it is, and of what; return where that ends."""
+        """Write the name of the tool and its subject; return the right end."""
         end = self.text((6, 16), words(f"tool_title.{kind}"), size=13, kind="bold")
         return self.text((end + 10, 16), about, ink=QUIET)
 
@@ -99,7 +99,7 @@ class Sheet:
 
 
 class Shown:
-    """A frame that fits into a square, to be drawn on in the frame's pixels."""
+    """A frame fitted into a square; drawing uses the frame's pixels."""
 
     def __init__(self, frame: Frame | None, side: int) -> None:
         pixels = np.full((1, 1, 3), 255, np.uint8) if frame is None else frame.image
@@ -118,7 +118,7 @@ class Shown:
         self._pen = ImageDraw.Draw(self.image)
 
     def paint(self, index: np.ndarray[Any, Any], inks: Sequence[Sequence[int]]) -> None:
-        """Lay a mask over it: which pixel has which ink, from 1; it comes before all lines."""
+        """Overlay a mask with the ink number of each pixel, from 1; call this before the lines."""
         at = np.asarray(Image.fromarray(index).resize(self.size, Image.Resampling.NEAREST))
         alpha = (at > 0)[..., None] * _ALPHA
         over = np.array([(0, 0, 0), *inks], float)[at]
@@ -142,7 +142,7 @@ class Shown:
             self._pen.ellipse((x - far, y - far, x + far, y + far), color)
 
     def rectangle(self, sides: Sequence[float], ink: str, width: float = 1.5) -> None:
-        """Draw the rectangle around pixels, all included: left, top, right, bottom."""
+        """Draw the rectangle around pixels, inclusive: left, top, right, bottom."""
         left, top, right, bottom = np.add(sides, (-0.5, -0.5, 0.5, 0.5)).tolist()
         corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
         self.line(corners, ink, width, closed=True)
@@ -166,7 +166,7 @@ def _moved(point: Sequence[float], angle: float, by: float) -> tuple[float, floa
 
 @functools.cache
 def _font(kind: str, size: float) -> ImageFont.FreeTypeFont:
-    from matplotlib import get_data_path  # it takes its time to load
+    from matplotlib import get_data_path  # slow to load
 
     folder = Path(get_data_path(), "fonts", "ttf")
     return ImageFont.truetype(str(folder / f"{_FONTS[kind]}.ttf"), _TIMES * size)

@@ -1,4 +1,4 @@
-"""What all tools have in common: a picture, live or frozen, which the browsers are shown."""
+"""The base of all tools: a picture, live or frozen, for the browsers."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ from robsim.vision.robots.sketch import over_floor
 
 T = TypeVar("T")
 
-#: What messages of browsers do, by their types.
+#: The actions of browsers' messages, by type.
 Acts = Mapping[str, Callable[[dict[str, Any]], object]]
 Handler = Callable[[Link, dict[str, Any]], None]
 
-_STILL_WIDTH = 480  # px, of what stays in a saved notebook
-_REST = 0.5  # s after a change, since whoever drags on and on is not to wait for pictures
+_STILL_WIDTH = 480  # px, of the still picture in a saved notebook
+_REST = 0.5  # s after a change, so that dragging does not wait for pictures
 
-#: What every tool takes of a browser.
+#: The messages that every tool accepts from a browser.
 TOOL_MESSAGES: Messages = {
     **COMMON,
     "look": {"k": whole},
@@ -61,21 +61,21 @@ TOOL_MESSAGES: Messages = {
 
 
 class ToolView(View):
-    """Shows the pictures of a source, live ones as they come, until they are frozen."""
+    """Shows the pictures of a source; live pictures until they are frozen."""
 
     def __init__(self, source: Pictures) -> None:
         super().__init__()
         self.source = source
         self.picture: Picture | None = None
         self.is_frozen = False
-        self._taken: Picture | None = None  # in any thread
+        self._taken: Picture | None = None  # set in any thread
         self._is_told = False
         self._clock = FrameClock()
         self._stills = self.beside("robsim still")
         self._still_due = math.inf
         self._over = ""  # why no more pictures come
-        self._own = source  # that it began with; what follows is of that one
-        self._left: tuple[Picture | None, bool] = (None, False)  # when it was replaced
+        self._own = source  # the original source
+        self._left: tuple[Picture | None, bool] = (None, False)  # before the replacement
         self._uploads = Uploads(self.beside("robsim upload"), self._uploaded)
 
     def begin(self) -> None:
@@ -97,11 +97,11 @@ class ToolView(View):
         }
 
     def close(self, timeout: float = 5.0) -> bool:
-        """End it; the source, which is the user's, stays open."""
+        """Close the tool; the source, which the user owns, stays open."""
         self._own.close()
         return super().close(timeout)
 
-    # What a tool adds.
+    # Methods for a tool to add.
 
     @property
     @abstractmethod
@@ -110,14 +110,14 @@ class ToolView(View):
 
     @abstractmethod
     def acts(self) -> Acts:
-        """Return what messages do, and tell what came of it."""
+        """Return the actions of messages; each sends its own outcome."""
 
     def changes(self) -> Acts:
-        """Return what messages change; what came of it is told by `change`."""
+        """Return the changes by messages; `change` sends their outcome."""
         return {}
 
     def head(self, picture: Picture) -> tuple[dict[str, Any], list[bytes]]:
-        """Return what is told with a picture, and its buffers."""
+        """Return the header fields sent with a picture, and buffers."""
         return {}, []
 
     @abstractmethod
@@ -125,10 +125,10 @@ class ToolView(View):
         """Return the fields of the message ``state``."""
 
     def changed_picture(self) -> None:
-        """Do what is to be done when another picture is shown."""
+        """React to another displayed picture."""
 
     def still(self) -> Callable[[], bytes]:
-        """Return what draws the still picture (PNG) of what is shown now, in any thread."""
+        """Return a function that draws the current still picture (PNG), in any thread."""
         frame = None if self.picture is None else self.picture.frame
 
         def draw() -> bytes:
@@ -140,32 +140,32 @@ class ToolView(View):
         return draw
 
     def changed_source(self) -> None:
-        """Do what is to be done when pictures of something else follow."""
+        """React to pictures from another source."""
 
     def loading(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         """Return a function for the view's thread that takes a loaded picture (h, w, 3 or 4).
 
-        It may be prepared in any thread. ValueError, here or there: the picture is unusable.
+        Any thread may prepare the picture. ValueError, here or there: the picture is unusable.
         """
         picture = OnePicture(over_floor(pixels), name)
         return lambda: self.replace(picture)
 
     def change(self, change: Callable[[], T]) -> T:
-        """Do what changes it, tell what came of it, and return what it returns."""
+        """Apply a change, send the outcome, and return the result."""
         try:
             return change()
         finally:
             self.tell_state()
 
     def travel(self, step: Callable[[], None]) -> None:
-        """Undo a change, or do it again."""
+        """Undo a change, or redo it."""
         self.change(step)
 
-    # What is shown.
+    # The displayed picture.
 
     @property
     def shown(self) -> Picture:
-        """The picture that is shown; ValueError if there is none yet."""
+        """The displayed picture; ValueError before the first picture."""
         if self.picture is None:
             raise ValueError("there is no picture yet")
         return self.picture
@@ -175,21 +175,21 @@ class ToolView(View):
         return self.source is not self._own
 
     def load_picture(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
-        """Take a picture as if it were loaded in a browser; any thread may call this."""
+        """Load a picture as if from a browser; any thread may call this."""
         self.ask(self.prepared(*given_picture(picture)))
 
     def _uploaded(self, content: bytes, name: str) -> Callable[[], object]:
         return self.prepared(images.decoded(io.BytesIO(content), name), name)
 
     def prepared(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
-        """Prepare a picture as `loading` does; ValueError where memory is lacking, too."""
+        """Prepare a picture like `loading`; ValueError also for lack of memory."""
         try:
             return self.loading(pixels, name)
         except MemoryError as error:
-            raise ValueError(f"{name} cannot be taken: there is not enough memory") from error
+            raise ValueError(f"{name} cannot be loaded: there is not enough memory") from error
 
     def replace(self, source: Pictures) -> None:
-        """Show a picture in place of those that it began with, until `go_back`."""
+        """Show another picture until `go_back`."""
         if not self.is_replaced:
             self._left = self.picture, self.is_frozen
         self.source, self.is_frozen = source, False
@@ -197,9 +197,9 @@ class ToolView(View):
         self.show(source.at(0))
 
     def go_back(self) -> None:
-        """Show again what it began with, as it was left."""
+        """Return to the original source in its previous state."""
         if not self.is_replaced:
-            raise ValueError("there is nothing to go back to: these are the pictures it began with")
+            raise ValueError("there is nothing to return to: these are the original pictures")
         self.source = self._own
         self.picture, self.is_frozen = self._left
         self._changed_source()
@@ -210,7 +210,7 @@ class ToolView(View):
 
     @property
     def back(self) -> str | None:
-        """What `go_back` shows: live, recording or picture; None = there is nothing."""
+        """The target of `go_back`: live, recording or picture; None = nothing."""
         return self._own.kind if self.is_replaced else None
 
     def _changed_source(self) -> None:
@@ -229,7 +229,7 @@ class ToolView(View):
         self._still_due = time.monotonic() + _REST
 
     def show_again(self) -> None:
-        """Send the picture again, with what is told with it."""
+        """Send the picture again, with its header fields."""
         for link in self.links:
             link.shown = None
 
@@ -257,12 +257,12 @@ class ToolView(View):
         self.settle()
         try:
             draw = self.ask(self.still)
-        except RuntimeError:  # it is closed: nothing changes any more
+        except RuntimeError:  # closed: the picture no longer changes
             draw = self.still()
         return draw()
 
     def _look_at_still(self, now: float) -> float:
-        """Draw anew what a saved notebook keeps, once nothing has changed for a while."""
+        """Redraw the picture for a saved notebook after a pause in the changes."""
         links = [link for link in self.links if link.keeps_still]
         if now >= self._still_due and links:
             if self._stills.is_busy:
@@ -273,11 +273,11 @@ class ToolView(View):
         return self._still_due
 
     def ask(self, function: Callable[[], T]) -> T:
-        """Return what a function returns, or raise what it raises, in the thread of the view."""
+        """Call a function in the view's thread, and return its result or raise its exception."""
         return function() if self.is_here else self.later(function).result()
 
     def later(self, function: Callable[[], T]) -> Future[T]:
-        """Call a function in the thread of the view; its result or exception comes later."""
+        """Call a function in the view's thread; its result or exception comes later."""
         answer: Future[T] = Future()
 
         def do() -> None:
@@ -295,7 +295,7 @@ class ToolView(View):
         return self._is_over
 
     def parted(self) -> None:
-        """Nobody looks: nothing is computed until somebody does."""
+        """Without views, compute nothing."""
 
     def _setup(self) -> dict[str, Any]:
         source = self.source
@@ -339,14 +339,14 @@ class ToolView(View):
         self.post(end)
 
     def _show(self) -> None:
-        self._is_told = False  # before it is looked at: what is taken after that is told again
+        self._is_told = False  # before reading `_taken`: later pictures post again
         if self.is_replaced:
             return
         if self._taken is not None and not (self.is_frozen and self.picture is not None):
             self.show(self._taken)
 
     def show(self, picture: Picture) -> None:
-        """Show a picture in place of the one before."""
+        """Show a new picture."""
         is_first = self.picture is None
         self.picture = picture
         self.changed_picture()
@@ -360,14 +360,14 @@ class ToolView(View):
 
     def _look_at(self, link: Link, message: dict[str, Any]) -> None:
         if not self.source.count or message["k"] >= self.source.count:
-            raise Refused(f"there is no picture {message['k']}")
+            raise Refused(f"unknown picture {message['k']}")
         try:
             self.look_at(message["k"])
         except (OSError, ValueError, IndexError) as error:
             raise Refused(str(error)) from None
 
     def freeze(self, on: bool) -> None:
-        """Let the picture stay, or newer ones come again."""
+        """Freeze the picture, or continue with newer ones."""
         self.is_frozen = on
         self._show()
         self.tell_state()
@@ -410,16 +410,16 @@ def file_to_save(path: str | PathLike[str]) -> Path:
     for name in (file.name, real.name):
         if not (name.isprintable() and re.fullmatch(r"\w.*\.toml", name, re.IGNORECASE)):
             raise ValueError(
-                f"{one_line(file)}: the name of a file must end in .toml, and begin with a letter, "
+                f"{one_line(file)}: a file name must end in .toml, and begin with a letter, "
                 f"a digit or _, got {quoted(name)}"
             )
     if not real.parent.is_dir():
-        raise ValueError(f"{one_line(file)}: there is no folder {one_line(file.parent)}")
+        raise ValueError(f"{one_line(file)}: unknown folder {one_line(file.parent)}")
     refuse_device(file)
     return file
 
 
 def refuse_device(file: Path) -> None:
-    """Raise a ValueError if a path is of something that is no file; a pipe would never end."""
+    """Raise a ValueError if a path is a device or a pipe; reading a pipe may never end."""
     if file.exists() and not file.is_file():
         raise ValueError(f"{one_line(file)} is not a file")

@@ -1,4 +1,4 @@
-"""Files that come from browsers in parts: put together and decoded in memory."""
+"""Files sent by browsers in parts, joined and decoded in memory."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from robsim.gui._worker import Beside
 _LONGEST_NAME = 200  # characters
 MOST_BYTES = 64_000_000  # of a file
 MOST_OF_A_PART = 1 << 19  # bytes
-_MOST_FILES = 4  # of all browsers, which are here in part or wait to be decoded
+_MOST_FILES = 4  # of all browsers, incomplete or waiting for decoding
 PATIENCE = 60.0  # s for the next part
 
-#: The messages of browsers about them.
+#: The browsers' messages about uploads.
 UPLOAD_MESSAGES: Messages = {
     "upload": {
         "key": text,
@@ -34,39 +34,39 @@ UPLOAD_MESSAGES: Messages = {
 
 @dataclass(eq=False)
 class Upload:
-    """A file that comes."""
+    """A file during its upload."""
 
     link: Link
-    view: str  # there, that sends it
-    key: str  # its name there
+    view: str  # the sending view in the browser
+    key: str  # its key in the browser
     name: str  # for people
     size: int  # bytes
     content: bytearray = field(default_factory=bytearray)
     heard: float = 0.0  # when the newest part came, by the monotonic clock (s)
-    is_wanted: bool = True  # False once it was given up
+    is_wanted: bool = True  # False once cancelled
 
     @property
     def is_complete(self) -> bool:
         return len(self.content) == self.size
 
     def add(self, message: dict[str, Any]) -> None:
-        """Add a part; `Refused` says why it does not fit."""
+        """Add a part; `Refused` gives the reason against it."""
         part, at = message["buffers"], message["at"]
         if (_name_in(message), message["size"]) != (self.name, self.size):
-            raise Refused(f"{self.name} has become another file while it was sent")
+            raise Refused(f"{self.name} was changed during the upload")
         if at != len(self.content):
-            raise Refused(f"{self.name} came in a wrong order: byte {at} after {len(self.content)}")
+            raise Refused(f"{self.name} is out of order: byte {at} after {len(self.content)}")
         if not part or at + len(part) > self.size:
-            raise Refused(f"{self.name} has another size than the {self.size} bytes that were told")
+            raise Refused(f"the size of {self.name} differs from the announced {self.size} bytes")
         self.content += part
 
 
 class Uploads:
-    """The files that come to a panel, in the thread of its view.
+    """The uploads of a panel, in the thread of its view.
 
-    A part is answered before the browser sends the next one; what stalls, is given up, or whose
-    line goes is forgotten. One after another is read beside the thread: `read(content, name)`
-    returns what takes it over in the thread, or raises ValueError.
+    A browser waits for the answer to a part before it sends the next one. Stalled and cancelled
+    uploads are forgotten, also if the link closes. A separate thread decodes one file at a time:
+    `read(content, name)` returns a function for the view's thread, or raises ValueError.
     """
 
     def __init__(self, beside: Beside, read: Callable[[bytes, str], Callable[[], object]]) -> None:
@@ -76,7 +76,7 @@ class Uploads:
         self._beside = beside
 
     def take(self, link: Link, message: dict[str, Any]) -> None:
-        """Take a part, and answer it."""
+        """Take a part, and send the answer."""
         key = message["key"]
         try:
             upload = self._coming.get((link, key)) or self._begun(link, message)
@@ -96,7 +96,7 @@ class Uploads:
             self._read()
 
     def drop(self, is_meant: Callable[[Upload], bool]) -> None:
-        """Forget some; what is being decoded is thrown away when it is ready."""
+        """Forget some uploads; the result of a decoding under way is dropped."""
         for upload in filter(is_meant, [*self._coming.values(), *self._complete]):
             upload.is_wanted = False
             self._coming.pop((upload.link, upload.key), None)
@@ -105,27 +105,27 @@ class Uploads:
         self.drop(lambda one: one.link is link and one.key == message["key"])
 
     def look(self, now: float) -> float:
-        """Forget what has stalled; return when to look again."""
+        """Forget stalled uploads; return the time of the next look."""
         self.drop(lambda upload: not upload.is_complete and upload.heard <= now - PATIENCE)
         return min((one.heard + PATIENCE for one in self._coming.values()), default=math.inf)
 
     def _begun(self, link: Link, message: dict[str, Any]) -> Upload:
         key, name, size = message["key"], _name_in(message), message["size"]
         if message["at"] != 0:
-            raise Refused(f"{name} is not known here any more: load it again")
+            raise Refused(f"{name} is no longer known: load the file again")
         if size == 0:
             raise Refused(f"{name} is empty")
         if size > MOST_BYTES:
             most = MOST_BYTES // 1_000_000
-            raise Refused(f"{name} has {size / 1e6:.1f} MB; at most {most} MB are taken")
+            raise Refused(f"{name} has {size / 1e6:.1f} MB; at most {most} MB are allowed")
         if len(self._coming) + len(self._complete) >= _MOST_FILES:
-            raise Refused("too many files come at the same time: load it again in a moment")
+            raise Refused("too many uploads at the same time: load the file again later")
         upload = Upload(link, message["id"], key, name, size)
         self._coming[link, key] = upload
         return upload
 
     def _read(self) -> None:
-        """Decode the first one that is complete."""
+        """Decode the first complete file."""
         upload = self._complete[0]
 
         def read() -> Callable[[], object] | str:
@@ -144,7 +144,7 @@ class Uploads:
             self._read()
         if not upload.is_wanted:
             return
-        why = made if isinstance(made, str) else f"{upload.name} cannot be taken"
+        why = made if isinstance(made, str) else f"{upload.name} cannot be loaded"
         if callable(made):
             try:
                 made()

@@ -16,7 +16,7 @@ from robsim.gui.tools.sheet import ACCENT, CHOSEN, LINE, QUIET, WARNING, Sheet, 
 
 _WIDTH, _HEIGHT = 1000, 500
 _SIDE = 455  # of the picture
-_LEFT = 480  # of what stands beside it
+_LEFT = 480  # of the text column
 _RIGHT = _WIDTH - 12
 _PLOT = (_LEFT + 22, _RIGHT - 84)  # of a histogram, from left to right
 _HIGH = 58  # of a histogram
@@ -60,7 +60,7 @@ def _draw_test(
     colors: Sequence[ColorClass],
     markers: MarkerLayout,
 ) -> tuple[str, bool]:
-    """Draw which pixels belong to the classes; return what is said of the robot."""
+    """Draw the classes of the pixels; return the verdict on the robot."""
     shown.paint(*painted(frame, colors, markers))
     inks = {one["name"]: one["css"] for one in state["classes"]}
     found = found_in(frame, colors, markers)
@@ -104,7 +104,7 @@ def _draw_channels(sheet: Sheet, frame: Frame | None, state: Mapping[str, Any]) 
     if frame is not None and state["region"]:
         try:
             counts = color_histograms(frame.image, tuple(state["region"]))
-        except ValueError:  # of a picture of another size
+        except ValueError:  # region of a picture of another size
             counts = None
     ranges = next(
         (one["ranges"] for one in state["classes"] if one["name"] == state["chosen"]), None

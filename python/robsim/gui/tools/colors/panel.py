@@ -17,8 +17,8 @@ from robsim.simulation.options import colors_value
 class ColorPanel(ToolPanel):
     """The panel that trains colours; `robsim.gui.color_panel` makes it.
 
-    What its mouse does can be done by its methods, from any thread. A context closes it at its end;
-    what it looked at stays open.
+    Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
+    but not the camera or run that supplies the pictures.
     """
 
     _maker = "robsim.gui.color_panel"
@@ -26,7 +26,7 @@ class ColorPanel(ToolPanel):
 
     @property
     def value(self) -> tuple[ColorClass, ...]:
-        """The classes as they are now, in the order of the file. They can be set."""
+        """The current classes, in the order of the file; assign to replace them."""
         return self._look(lambda: self._view.training.value)
 
     @value.setter
@@ -37,7 +37,7 @@ class ColorPanel(ToolPanel):
         self._change(lambda: self._view.training.replace(known))
 
     def train(self, name: str, region: Region, *, more: bool = False) -> ColorClass:
-        """Make a class from a region of the picture that is shown.
+        """Make a class from a region of the displayed picture.
 
         Parameters
         ----------
@@ -46,7 +46,7 @@ class ColorPanel(ToolPanel):
         region : tuple of int
             (left, top, right, bottom), all included (px).
         more : bool
-            Whether the regions that the class has are kept, too.
+            Whether to keep the previous regions of the class, too.
 
         Returns
         -------
@@ -58,18 +58,18 @@ class ColorPanel(ToolPanel):
         RuntimeError
             If there is no picture yet.
         TypeError, ValueError
-            As from `ColorClass.from_region`; the classes are unchanged then.
+            As for `ColorClass.from_region`; the classes stay unchanged.
         """
         check_bool("more", more)
         return self._view.ask(lambda: self._view.train(name, region, more=more))
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
-        """Write the classes into a colour file; what else stands in it is kept.
+        """Write the classes into a colour file; other entries of the file are kept.
 
         Parameters
         ----------
         path : path, optional
-            The file. Default: that of the panel.
+            The file. Default: the panel's file.
 
         Returns
         -------
@@ -79,9 +79,9 @@ class ColorPanel(ToolPanel):
         Raises
         ------
         OSError
-            If it cannot be written.
+            If the file cannot be written.
         TypeError, ValueError
-            If `path` is no path to a ``.toml`` file, or there are no classes.
+            If `path` is not a path to a ``.toml`` file, or there are no classes.
         """
         return self._view.ask(lambda: self._view.save(path))
 

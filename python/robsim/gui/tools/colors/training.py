@@ -21,7 +21,7 @@ from robsim.vision.markers.training import Sample
 Region = tuple[int, int, int, int]
 Counts = NDArray[np.int64]
 
-_MOST_CLASSES = 32  # as many as `find_blobs` takes
+_MOST_CLASSES = 32  # the limit of `find_blobs`
 _MOST_SAMPLES = 100  # of a class
 OPTIONS = ("percentile", "margin", "limit_y")
 _ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
@@ -29,23 +29,23 @@ _ONE_PIXEL = np.eye(1, 256, 128, dtype=np.int64).repeat(3, axis=0)
 
 @dataclass(frozen=True, eq=False)
 class TrainedClass:
-    """A class, and how it came about."""
+    """A class and its training data."""
 
     color: ColorClass
-    samples: tuple[Sample, ...] = ()  # empty if the ranges were given, or set by hand
+    samples: tuple[Sample, ...] = ()  # empty if the ranges were loaded or set by hand
     percentile: float = 33.0
     margin: int = 52
     limit_y: bool = False
 
     @property
     def histograms(self) -> Counts:
-        """Those of all samples together."""
+        """The histograms of all samples together."""
         zero = np.zeros((3, 256), np.int64)
         return sum((sample.histograms for sample in self.samples), zero)
 
     @property
     def around(self) -> Floats | None:
-        """Chroma around them: median of all pictures, the largest spread; None = unknown."""
+        """Chroma around the samples: median of all pictures, the largest spread; None = unknown."""
         known = [sample.around for sample in self.samples if sample.around is not None]
         if not known or len(known) < len(self.samples):
             return None
@@ -53,7 +53,7 @@ class TrainedClass:
         return np.array([np.median(medians, axis=0), np.max(spreads, axis=0)])
 
     def remade(self) -> TrainedClass:
-        """Return it with the class that its samples give; ValueError if they are grey."""
+        """Return the class recomputed from its samples; ValueError if they are grey."""
         if not self.samples:
             return self
         color = ColorClass.from_histograms(
@@ -68,11 +68,11 @@ class TrainedClass:
 
 
 class ColorTraining(History[Mapping[str, TrainedClass]]):
-    """Several colour classes while they are trained."""
+    """Several colour classes during training."""
 
     def __init__(self, colors: Iterable[ColorClass] = ()) -> None:
         super().__init__({color.name: TrainedClass(color) for color in colors})
-        self._next: dict[str, dict[str, Any]] = {}  # options of classes that are not there yet
+        self._next: dict[str, dict[str, Any]] = {}  # options of classes without samples
 
     @property
     def classes(self) -> Mapping[str, TrainedClass]:
@@ -93,10 +93,10 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         keep: int = 0,
         goes_on: bool = False,
     ) -> None:
-        """Make a class from a region of a picture, and the first `keep` regions that it had.
+        """Make a class from a region of a picture and the first `keep` previous regions.
 
         `goes_on`, here and below: the change extends the previous one; one undo reverts both.
-        ValueError: the region is outside or grey, or there are too many; nothing is changed.
+        ValueError: the region is outside or grey, or there are too many; nothing changes.
         """
         sample = Sample.of(image, region, picture)
         before = self.classes.get(name)
@@ -107,10 +107,10 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         self._put(made.remade(), goes_on=goes_on)
 
     def adjust(self, name: str, *, goes_on: bool = False, **options: float | bool) -> None:
-        """Set `percentile`, `margin` or `limit_y` of a class, and make it from its samples again.
+        """Set `percentile`, `margin` or `limit_y` of a class, and recompute it from its samples.
 
         A class without samples, or a new name, gets the options with its first samples. ValueError:
-        an option is out of range; nothing is changed.
+        an option is out of range; nothing changes.
         """
         chosen = self.options(name) | options
         ColorClass.from_histograms(_ONE_PIXEL, name=name, **(chosen | {"limit_y": True}))
@@ -122,18 +122,18 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         self._put(made.remade(), goes_on=goes_on)
 
     def options(self, name: str) -> dict[str, Any]:
-        """Return `percentile`, `margin` and `limit_y` of a class, also of one that is to be."""
+        """Return `percentile`, `margin` and `limit_y` of a class, even before its first sample."""
         one = self.classes.get(name) or TrainedClass(ColorClass(name), **self._next.get(name, {}))
         return {key: getattr(one, key) for key in OPTIONS}
 
     def put(self, color: ColorClass, *, goes_on: bool = False) -> None:
-        """Set the ranges of a class by hand, or add it; its samples stay to be compared with."""
+        """Set the ranges of a class by hand, or add a class; samples are kept for comparison."""
         self._put(self._with(color), goes_on=goes_on)
 
     def replace(self, colors: Iterable[ColorClass]) -> None:
-        """Take these classes in place of all; what was trained of those of the same name stays.
+        """Replace all classes by `colors`; classes with the same name keep their samples.
 
-        ValueError: there are too many; nothing is changed.
+        ValueError: too many classes; nothing changes.
         """
         colors = tuple(colors)
         _check_count(len(colors))
@@ -151,7 +151,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
         ]
 
     def _with(self, color: ColorClass) -> TrainedClass:
-        """Return the class of a name with other ranges; its regions and options stay."""
+        """Return the named class with other ranges; regions and options stay."""
         return replace(self.classes.get(color.name, TrainedClass(color)), color=color)
 
     def _put(self, made: TrainedClass, *, goes_on: bool) -> None:
@@ -161,7 +161,7 @@ class ColorTraining(History[Mapping[str, TrainedClass]]):
 
     def _known(self, name: str) -> TrainedClass:
         if name not in self.classes:
-            raise ValueError(f"there is no colour {quoted(name)}")
+            raise ValueError(f"unknown colour {quoted(name)}")
         return self.classes[name]
 
 
@@ -178,7 +178,7 @@ _LARGEST = 1600  # px along a side of a mask
 
 
 def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> dict[str, Any]:
-    """Return the boxes of the blobs, the pose of the robot, or why it was not found at once."""
+    """Return the boxes of the blobs, and the pose of the robot or the reason for its absence."""
     blobs = find_blobs(frame, list(colors), markers=markers)
     found = detect(blobs, markers, plane_map=frame.plane_map, image=frame, colors=list(colors))
     pose = None if found.measurement is None else numbers(found.measurement.pose)
@@ -189,16 +189,16 @@ def found_in(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) 
 def painted(
     frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout
 ) -> tuple[NDArray[np.uint8], list[tuple[int, ...]]]:
-    """Return which pixel belongs to which class, from 1, and the RGB of each class.
+    """Return the class number of each pixel, from 1, and the RGB of each class.
 
-    Of a large picture it has each second pixel, or each third, and so on.
+    A large picture is reduced to every second pixel, every third, and so on.
     """
     step = -(-max(frame.image.shape[:2]) // _LARGEST)
     if step > 1:
         to_area = frame.plane_map.matrix @ np.diag((step, step, 1.0))
         pixels = np.ascontiguousarray(frame.image[::step, ::step])
         frame = Frame(pixels, plane_map=PlaneMap(to_area))
-    masks = classify(frame, list(colors), markers=markers)  # as where blobs are found
+    masks = classify(frame, list(colors), markers=markers)  # as in finding blobs
     index = np.zeros(frame.image.shape[:2], np.uint8)
     for number, mask in enumerate(masks.values(), start=1):
         index[mask] = number

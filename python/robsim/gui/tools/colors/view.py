@@ -63,7 +63,7 @@ MESSAGES: Messages = {
 }
 
 
-_ALPHA = 200  # of what a class takes, on the picture
+_ALPHA = 200  # of a class's pixels, on the picture
 
 
 class ColorsView(ToolView):
@@ -78,7 +78,7 @@ class ColorsView(ToolView):
         super().__init__(source)
         self.training = ColorTraining(colors)
         self.file = file
-        self._known = set(self.training.classes)  # that the file may have
+        self._known = set(self.training.classes)  # classes that the file may contain
         self._markers = robot.marker_layout()
         self._chosen = next(iter(self.training.classes), "red")
         self._region: Region | None = None
@@ -138,7 +138,7 @@ class ColorsView(ToolView):
             self._tell_histograms()
 
     def changed_source(self) -> None:
-        self._region = None  # which was of the pictures before
+        self._region = None  # the region belongs to the previous pictures
 
     def _class_of(self, name: str) -> dict[str, Any]:
         one = self.training.classes[name]
@@ -154,11 +154,11 @@ class ColorsView(ToolView):
             "drift": drift,
         }
 
-    # What changes the classes; TypeError, ValueError or OSError: nothing was changed.
+    # Changes of the classes; TypeError, ValueError or OSError: nothing changed.
 
     def choose(self, name: str) -> None:
-        """Let a class, or a new one, be trained."""
-        ColorClass(name)  # refuses what is no name
+        """Choose a class, or a new one, for training."""
+        ColorClass(name)  # raises for an invalid name
         if name != self._chosen:
             self._chosen, self._region = name, None
         self.tell_state()
@@ -186,10 +186,10 @@ class ColorsView(ToolView):
         self._tell_histograms()
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
-        """Write the classes into a file, which is the panel's from now on."""
+        """Write the classes into a file, which becomes the panel's file."""
         file = file_to_save(self.file if path is None else path)
         if not self.training.value:
-            raise ValueError("there are no colours yet: mark a region of the picture")
+            raise ValueError("no colours yet: mark a region of the picture")
         names = {color.name for color in self.training.value}
         save_colors(file, self.training.value, remove=self._known - names)
         self.file, self._known = file, names
@@ -199,7 +199,7 @@ class ColorsView(ToolView):
     def _train(self, region: Region, keep: int, *, goes_on: bool = False) -> ColorClass:
         name, picture = self._chosen, self.shown
         image = picture.frame.image
-        color_histograms(image, region)  # refuses what is no region of it
+        color_histograms(image, region)  # raises for an invalid region
         self._region = region
         self._tell_histograms()
         self.change(
@@ -210,15 +210,15 @@ class ColorsView(ToolView):
         return self.training.classes[name].color
 
     def _score(self) -> None:
-        """Tell how the class would do in other light and noise, once that is known."""
+        """Send the score of the class under other light and noise, after computing it."""
         one = self.training.classes.get(self._chosen)
         picture, region = self.picture, self._region
         if one is None or picture is None or region is None:
-            raise ValueError("mark a region of the picture first: that is what is looked for")
+            raise ValueError("mark a region of the picture first: the test uses this region")
         if self._beside.is_busy:
-            raise ValueError("the one before is not ready yet")
+            raise ValueError("the previous test is still running")
         image, color = picture.frame.image, one.color
-        color_histograms(image, region)  # refuses a region of a previous, larger picture
+        color_histograms(image, region)  # raises for a region of a previous, larger picture
 
         def tell(message: dict[str, Any] | None) -> None:
             if message is not None:
@@ -244,18 +244,18 @@ class ColorsView(ToolView):
             self.change(lambda: None)
             return
         if name not in OPTIONS:
-            raise ValueError(f"there is no setting {quoted(name)}")
+            raise ValueError(f"unknown setting {quoted(name)}")
         if name == "margin" and isinstance(value, float) and value.is_integer():
-            value = int(value)  # JSON knows no other numbers
+            value = int(value)  # JSON has only floats
         self.change(lambda: self.training.adjust(self._chosen, goes_on=goes_on, **{name: value}))
 
     def _tell_histograms(self) -> None:
-        """Tell those of the region that is marked, in the picture that is shown."""
+        """Send the histograms of the marked region in the displayed picture."""
         if self.picture is None or self._region is None:
             return
         try:
             counts = color_histograms(self.picture.frame.image, self._region)
-        except ValueError:  # of a picture of another size
+        except ValueError:  # region of a picture of another size
             return
         head = {"type": "histograms", "region": [*self._region]}
         self.send(head, counts.astype("<f4").tobytes())
@@ -279,12 +279,12 @@ def _score_message(image: images.Pixels, color: ColorClass, region: Region) -> d
 
 
 def _mask(frame: Frame, colors: Sequence[ColorClass], markers: MarkerLayout) -> bytes:
-    """Return which pixel belongs to which class, as a picture to lay over it (PNG)."""
+    """Return the class of each pixel as a picture to overlay (PNG)."""
     index, inks = painted(frame, colors, markers)
     shown = Image.fromarray(index, "P")
     shown.putpalette([0, 0, 0, *(part for ink in inks for part in ink)])
     out = io.BytesIO()
     alpha = bytes([0, *[_ALPHA] * len(inks)])
-    bits = next(bits for bits in (1, 2, 4, 8) if len(inks) < 1 << bits)  # few are quick
+    bits = next(bits for bits in (1, 2, 4, 8) if len(inks) < 1 << bits)  # fewer bits are faster
     shown.save(out, "PNG", transparency=alpha, bits=bits, compress_level=1)
     return out.getvalue()

@@ -1,1 +1,1 @@
-"""The tool that calibrates where a camera looks at the floor from."""
+"""The tool that calibrates a camera's view of the floor."""

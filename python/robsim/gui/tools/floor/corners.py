@@ -15,9 +15,9 @@ from robsim.lab.calibration.seen_sheets import SeenSheets
 from robsim.vision.imaging import images
 
 _MOST_REACH = 40.0  # px
-_SIGMA = 0.25  # of the weights about the point, of the reach: wide joints want a wide window
+_SIGMA = 0.25  # of the weights around the point, per reach: wide joints need a wide window
 _LEAST_SIGMA, _MOST_SIGMA = 4.0, 6.0  # px
-_LEAST_CONTRAST = 1.5  # levels a px, across the weaker direction, on the mean
+_LEAST_CONTRAST = 1.5  # levels per px, mean across the weaker direction
 _TURNS = 12
 _SETTLED = 0.005  # px
 _LUMA = np.array((0.299, 0.587, 0.114))
@@ -26,7 +26,7 @@ _LUMA = np.array((0.299, 0.587, 0.114))
 def snapped(
     image: images.Pixels, at: tuple[float, float], reach: float
 ) -> tuple[float, float] | None:
-    """Return where the nearest corner or dot of a picture is, to a tenth of a pixel."""
+    """Return the nearest corner or dot of a picture, to a tenth of a pixel."""
     reach = min(max(reach, 1.0), _MOST_REACH)
     sigma = min(max(_SIGMA * reach, _LEAST_SIGMA), _MOST_SIGMA)
     half = math.ceil(reach + 4 * sigma)
@@ -36,7 +36,7 @@ def snapped(
     if min(part.shape[:2]) < 4 * sigma:
         return None
     down, across = np.gradient(_blurred(part @ _LUMA, 0.7))
-    # Weighed by the gradient, not its square: the stronger side of a joint counts for less.
+    # The weight is the gradient, not its square, so that both sides of a joint count similarly.
     scale = np.sqrt(np.hypot(across, down) + 1e-9)
     down, across = down / scale, across / scale
     begin = _strongest(across, down, (at[0] - left, at[1] - top), reach, sigma)
@@ -49,7 +49,7 @@ def snapped(
 def _strongest(
     across: Floats, down: Floats, at: tuple[float, float], reach: float, sigma: float
 ) -> tuple[float, float] | None:
-    """Return the pixel around which gradients point in all directions the most, near a point."""
+    """Return the pixel near a point whose surrounding gradients vary most in direction."""
     xx, xy, yy = (_blurred(one, sigma) for one in (across**2, across * down, down**2))
     # the smaller eigenvalue of [[xx, xy], [xy, yy]]
     weaker = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)
@@ -65,7 +65,7 @@ def _strongest(
 def _refined(
     across: Floats, down: Floats, begin: tuple[float, float], sigma: float
 ) -> tuple[float, float] | None:
-    """Return where the lines along edges meet, or those across them: whichever fits better."""
+    """Return the better fit: the meeting point of the lines along edges or across edges."""
     fits = [_meeting(*lines, begin, sigma) for lines in ((across, down), (-down, across))]
     found = [fit for fit in fits if fit is not None]
     return min(found, key=lambda fit: fit[0])[1] if found else None
@@ -74,7 +74,7 @@ def _refined(
 def _meeting(
     across: Floats, down: Floats, begin: tuple[float, float], sigma: float
 ) -> tuple[float, tuple[float, float]] | None:
-    """Return the point that is nearest to the lines whose normals are given, and how near it is."""
+    """Return the point nearest to lines with these normals, and its distance."""
     v, u = np.indices(across.shape)
     at = np.array(begin)
     for _ in range(_TURNS):
@@ -99,7 +99,7 @@ def _meeting(
 
 
 def _blurred(levels: Any, sigma: float) -> Floats:
-    """Return an array blurred by a Gaussian; its edge pixels go on outside."""
+    """Return an array blurred by a Gaussian; edge pixels are repeated outside."""
     half = math.ceil(2.5 * sigma)
     taps = np.exp(-(np.arange(-half, half + 1) ** 2) / (2 * sigma**2))
     taps /= taps.sum()
@@ -111,11 +111,11 @@ def _blurred(levels: Any, sigma: float) -> Floats:
     return np.asarray(levels, float)
 
 
-_MARK = 80.0  # mm, as it is printed
+_MARK = 80.0  # mm, as printed
 
 
 class FloorSheets:
-    """The sheets that were found last, and what was measured of them."""
+    """The sheets found last, and their measured sizes and positions."""
 
     def __init__(self) -> None:
         self._seen = SeenSheets((0, 0), _MARK)
@@ -124,7 +124,7 @@ class FloorSheets:
         return self._seen
 
     def looking(self, image: images.Pixels) -> Callable[[], SeenSheets | str]:
-        """Return what finds the sheets in a picture, or says why there are none; any thread."""
+        """Return a function that finds a picture's sheets or returns the reason; any thread."""
         mark = self._seen.mark
 
         def find() -> SeenSheets | str:
@@ -134,21 +134,21 @@ class FloorSheets:
                 return str(error)
             if not seen.corners:
                 return (
-                    "there is no floor sheet in the picture: are its marks 15 px wide at least, "
-                    "sharp, and not hidden?"
+                    "no floor sheet in the picture: its marks must be at least 15 px wide, "
+                    "sharp and visible"
                 )
             return seen
 
         return find
 
     def take(self, found: SeenSheets) -> None:
-        """Take the sheets of a picture; their marks may have been given another side since."""
+        """Take the sheets of a picture; the side of the marks may have changed meanwhile."""
         self._seen = replace(found.with_mark(self._seen.mark), places=self._seen.places)
 
     def place(self, number: int, x: float | None, y: float | None) -> None:
-        """Say where the cross of a sheet is on the floor (mm); None = not measured."""
+        """Set the position of a sheet's cross on the floor (mm); None = not measured."""
         if number not in self._seen.corners:
-            raise ValueError(f"there is no sheet {number} in the picture")
+            raise ValueError(f"the picture has no sheet {number}")
         self._seen = replace(self._seen, places={**self._seen.places, number: (x, y)})
 
     def adjust(self, mark: float) -> None:
@@ -157,7 +157,7 @@ class FloorSheets:
         self._seen = self._seen.with_mark(mark)
 
     def state(self) -> dict[str, Any]:
-        """Return what browsers are told."""
+        """Return the data for the browsers."""
         seen = self._seen
         return {
             "mark": seen.mark,

@@ -24,7 +24,7 @@ Size = tuple[int, int]
 def fitted(
     draft: FloorDraft, lens: Calibration | None, size: Size, picture: images.Pixels | None = None
 ) -> FloorCalibration:
-    """Return the calibration by the points whose place is given."""
+    """Return the calibration from the points with known places."""
     if len(draft.complete) < FEWEST:
         raise ValueError("; ".join(draft.problems()))
     return calibrate_floor(
@@ -63,7 +63,7 @@ def on_work_area(calibration: Calibration, draft: FloorDraft) -> Calibration:
 
 
 def grid_of(calibration: Calibration) -> dict[str, Any] | None:
-    """Return what the grid is drawn by; None if there is no floor."""
+    """Return the data for drawing the grid; None without a floor."""
     floor, area = calibration.floor, calibration.area
     if floor is None or area is None:
         return None
@@ -83,7 +83,7 @@ def grid_of(calibration: Calibration) -> dict[str, Any] | None:
 
 
 def fit_of(report: FloorCalibration) -> dict[str, Any]:
-    """Return how well a calibration fits: figures, and each point with where the map has it."""
+    """Return the quality of a calibration: figures, and each point with its mapped position."""
     floor, scale = report.calibration.floor, report.calibration.mm_per_px
     assert floor is not None
     assert scale is not None
@@ -114,22 +114,22 @@ def fit_of(report: FloorCalibration) -> dict[str, Any]:
 
 
 def replaced(file: Path, calibration: Calibration, *, is_known: bool) -> Calibration | None:
-    """Return the calibration in a file that is to be written; None = no file is there."""
+    """Return the calibration in a file before overwriting; None = no such file."""
     if not file.exists():
         return None
     name = one_line(file)
     try:
         there = load_calibration(file)
     except ValueError as error:
-        raise ValueError(f"{name} is no calibration: save under another name") from error
+        raise ValueError(f"{name} is not a calibration: save under another name") from error
     if there.intrinsics is not None and calibration.intrinsics is None:
         raise ValueError(
-            f"{name} has a lens, which this floor was not calibrated with: load it, or save under "
+            f"{name} has a lens that this floor was not calibrated with: load it, or save under "
             "another name"
         )
     if not is_known:
         raise ValueError(
-            f"{name} is there already, and was not read here: load it, save under another name, or "
+            f"{name} already exists and was not loaded here: load it, save under another name, or "
             "remove it first"
         )
     return there

@@ -14,7 +14,7 @@ from robsim.vision.imaging.calibration import Calibration
 
 _WIDTH, _HEIGHT = 900, 500
 _SIDE = 560  # of the picture
-_LEFT = 585  # of what stands beside it
+_LEFT = 585  # of the text column
 _ROOM = _WIDTH - _LEFT - 12
 _MOST_ROWS = 17
 _POINT, _WRONG = "#5ee08a", "#ff5a5f"
@@ -23,7 +23,7 @@ _POINT, _WRONG = "#5ee08a", "#ff5a5f"
 def floor_still(
     picture: Picture | None, title: str, state: Mapping[str, Any], calibration: Calibration | None
 ) -> bytes:
-    """Return a picture of the points, how well they fit, and the grid (PNG)."""
+    """Return a picture of the points, their fit and the grid (PNG)."""
     sheet = Sheet(_WIDTH, _HEIGHT)
     sheet.title("floor", title)
     shown = Shown(_with_grid(picture, state, calibration), _SIDE)

@@ -1,4 +1,4 @@
-"""The lens, by pictures of a board that are taken one after the other."""
+"""The lens, from pictures of a board taken one after the other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from robsim.gui.tools.floor.view import FloorView
 
 _MOST = 60  # pictures
-_MOST_OF_A_FILM = 40  # neighbours in a video show the same
+_MOST_OF_A_FILM = 40  # neighbours in a video are similar
 
 Board = Chessboard | Charuco
 _PATTERNS: dict[str, type[Chessboard] | type[Charuco]] = {
@@ -30,7 +30,7 @@ _PATTERNS: dict[str, type[Chessboard] | type[Charuco]] = {
 
 
 class LensPictures:
-    """Takes a view's pictures of a board, and calibrates the lens; long work leaves its thread."""
+    """Takes a view's pictures of a board, and calibrates the lens; long work has its own thread."""
 
     def __init__(self, view: FloorView) -> None:
         self.taken = BoardPictures(Chessboard())
@@ -40,14 +40,14 @@ class LensPictures:
         self._taker: BoardTaker | None = None
         self._asked: Picture | None = None
         self._film: Pictures | None = None
-        self._waiting: list[int] = []  # its pictures that are still to be looked at
+        self._waiting: list[int] = []  # numbers of its pictures that still wait
         self._fitted = self.taken
         self._wrong = ""
         self._finding = view.beside("robsim board")
         self._fitting = view.beside("robsim lens")
 
     def acts(self) -> Acts:
-        """Return what is done with messages."""
+        """Return the actions of messages."""
         return {
             "board": lambda m: self.choose(m["pattern"], m["columns"], m["rows"], m["square"]),
             "take": lambda _: self.take(),
@@ -58,7 +58,7 @@ class LensPictures:
         }
 
     def message(self) -> dict[str, Any]:
-        """Return what browsers are told."""
+        """Return the data for the browsers."""
         report = self.report
         known = {} if report is None else {one.name: one for one in report.pictures}
         return {
@@ -95,10 +95,10 @@ class LensPictures:
     def board(self) -> Board:
         return self.taken.board
 
-    # What changes it.
+    # Changes.
 
     def choose(self, pattern: str, columns: int, rows: int, square: float) -> None:
-        """Set what the board is, as `begin`."""
+        """Set the board, like `begin`, from its pattern and sizes."""
         if pattern not in _PATTERNS:
             raise ValueError(
                 f"pattern must be one of {', '.join(_PATTERNS)}, got {quoted(pattern)}"
@@ -106,12 +106,12 @@ class LensPictures:
         try:
             self.begin(_PATTERNS[pattern](columns, rows, square=square))
         finally:
-            self._tell()  # what it is after all
+            self._tell()  # the current board
 
     def begin(self, board: Board) -> None:
-        """Set what the board is; ValueError if pictures show another one.
+        """Set the board; ValueError if taken pictures show another board.
 
-        If only the side of its squares differs, the pictures that were taken count as before.
+        If only the side of the squares differs, the pictures remain valid.
         """
         before, self.taken = self.taken, self.taken.of(board)
         if not before.may_show(board):
@@ -119,7 +119,7 @@ class LensPictures:
         self._changed()
 
     def take_now(self) -> int:
-        """Take the picture that is shown, and wait for it; return how many corners it shows."""
+        """Take the displayed picture, and wait; return its number of corners."""
         picture = self._view.shown
         self._refuse_more()
         found = self.board.find(picture.frame.image)
@@ -130,7 +130,7 @@ class LensPictures:
         return len(found.pixels)
 
     def fit_now(self) -> LensCalibration:
-        """Return the lens by the pictures that were taken, without waiting for other threads."""
+        """Return the lens from the taken pictures, without waiting for other threads."""
         if self.report is None or self._fitted is not self.taken:
             found = self._fit(self.taken)
             self._fitted = self.taken
@@ -142,20 +142,20 @@ class LensPictures:
         return self.report
 
     def take(self) -> None:
-        """Take the picture that is shown."""
+        """Take the displayed picture."""
         picture = self._view.shown
         self._refuse_more()
         if self._finding.is_busy:
-            self._asked = picture  # it comes next
+            self._asked = picture  # the next picture to process
         else:
             self._look_at(picture)
         self._tell()
 
     def take_all(self) -> None:
-        """Take the pictures of a recording: all of a few, of many some that are evenly spread."""
+        """Take the pictures of a recording: all, or an evenly spread selection of many."""
         count = self._view.source.count
         if not count:
-            raise ValueError("these are not the pictures of a recording: take them one by one")
+            raise ValueError("these pictures are not a recording: take them one by one")
         self._refuse_more()
         self._film = self._view.source
         self._waiting = [*range(0, count, math.ceil(count / _MOST_OF_A_FILM))]
@@ -163,7 +163,7 @@ class LensPictures:
         self._tell()
 
     def watch(self, on: bool) -> None:
-        """Take live pictures by themselves, whenever the board stands still somewhere new."""
+        """Take live pictures automatically, whenever the board rests in a new position."""
         self.watches = False
         try:
             if check_bool("on", on):
@@ -175,26 +175,26 @@ class LensPictures:
             self._tell()
 
     def drop(self, number: int | None) -> None:
-        """Forget a picture, by its place in the list, from 0; None = all."""
+        """Forget a picture, by its position in the list, from 0; None = all."""
         if number is None:
             self.taken = BoardPictures(self.board)
         else:
             number = check_int("picture", number, minimum=0, maximum=_MOST)
             if number >= len(self.taken):
-                raise ValueError(f"there is no picture {number}")
+                raise ValueError(f"unknown picture {number}")
             self.taken = self.taken.without(number)
         if not self.taken:
             self._taker, self._waiting = None, []
         self._changed()
 
     def use(self) -> None:
-        """Let the floor be calibrated through this lens."""
+        """Use this lens for the calibration of the floor."""
         if self.report is None or self._fitted is not self.taken:
             raise ValueError(self._wrong or "; ".join(self._problems()) or "it is not ready yet")
         self._view.take(self.report.calibration)
 
     def changed_picture(self) -> None:
-        """Look at a new picture, if boards are taken by themselves."""
+        """Look at a new picture, if boards are taken automatically."""
         picture = self._view.picture
         is_watched = self.watches and not self._view.is_replaced
         if is_watched and picture is not None and not self.is_busy:
@@ -204,7 +204,7 @@ class LensPictures:
 
     def _refuse_more(self) -> None:
         if len(self.taken) >= _MOST:
-            raise ValueError(f"there are {_MOST} pictures already, which is enough")
+            raise ValueError(f"there are already {_MOST} pictures, the maximum")
 
     def _look_at(self, picture: Picture, *, is_asked: bool = True) -> None:
         board, image = self.board, picture.frame.image
@@ -254,7 +254,7 @@ class LensPictures:
             self._tell()
 
     def _keep(self, picture: Picture, found: Corners, board: Board) -> None:
-        """Take a picture with its corners; ValueError if it does not go with the others."""
+        """Take a picture with its corners; ValueError if it does not fit the other pictures."""
         self._refuse_more()
         size = images.frame_size(picture.frame.image)
         self.taken = self.taken.with_picture(picture.name, size, found, board)
@@ -293,7 +293,7 @@ class LensPictures:
         self._fitting.begin(lambda: self._fit(taken), done)
 
     def _fit(self, taken: BoardPictures) -> LensCalibration | str:
-        """Return the lens by pictures, or why there is none; any thread."""
+        """Return the lens from pictures, or the reason for its absence; any thread."""
         try:
             return "" if taken.lacking else taken.lens()
         except ValueError as error:

@@ -22,8 +22,8 @@ from robsim.vision.imaging.calibration import Calibration
 class FloorPanel(ToolPanel):
     """The panel that calibrates a floor; `robsim.gui.floor_panel` makes it.
 
-    What its mouse does can be done by its methods, from any thread. A context closes it at its end;
-    what it looked at stays open.
+    Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
+    but not the camera or run that supplies the pictures.
     """
 
     _maker = "robsim.gui.floor_panel"
@@ -31,9 +31,9 @@ class FloorPanel(ToolPanel):
 
     @property
     def value(self) -> Calibration:
-        """The calibration as it is now; a ValueError says what is missing. It can be set.
+        """The current calibration; ValueError if it is incomplete. Assign to set it.
 
-        Set, its lens and its work area are taken, and its floor until points are placed.
+        The panel takes its lens and work area, and its floor until points are placed.
         """
         return self._view.ask(self._view.calibration)
 
@@ -50,7 +50,7 @@ class FloorPanel(ToolPanel):
 
     @property
     def report(self) -> FloorCalibration:
-        """How well each point fits; a ValueError says what is missing."""
+        """The fit of each point; ValueError if the calibration is incomplete."""
         return self._view.ask(self._view.fit_report)
 
     # Points.
@@ -67,41 +67,41 @@ class FloorPanel(ToolPanel):
         Parameters
         ----------
         pixel : tuple of float
-            Where it is in the picture: (u, v).
+            Position in the picture: (u, v).
         position : tuple of float, optional
-            Where it is on the floor, from the top left corner of the work area, x to the right and
-            y down as the camera sees it (mm). Default: not known yet; see `place`.
+            Position on the floor (mm), from the top left corner of the work area. In the camera
+            picture, x points right and y down. Default: not known yet; see `place`.
         reach : float
-            If there is a corner, such as of a tile, or a dot within so many pixels, it is put
-            there, to a tenth of a pixel.
+            If a dot or corner, such as of a tile, is this near (px), the point moves there, to a
+            tenth of a pixel.
 
         Returns
         -------
         int
-            Its number.
+            Number of the point.
 
         Raises
         ------
         TypeError, ValueError
-            If an argument has the wrong type; nothing is changed then.
+            If an argument has the wrong type; nothing changes.
         """
         reach = check_float("reach", reach, "px", minimum=0)
         return self._change(lambda: self._view.add(pixel, position, reach))
 
     def put(self, pixels: ArrayLike, positions: ArrayLike) -> None:
-        """Place points in place of all that there are.
+        """Replace all points.
 
         Parameters
         ----------
         pixels : array (N, 2)
-            Where they are in the picture: (u, v).
+            Positions in the picture: (u, v).
         positions : array (N, 2)
-            Where they are on the floor (mm), as in `add`.
+            Positions on the floor (mm), as in `add`.
 
         Raises
         ------
         TypeError, ValueError
-            If an argument has the wrong type or shape; nothing is changed then.
+            If an argument has the wrong type or shape; nothing changes.
         """
 
         def put() -> None:
@@ -118,34 +118,34 @@ class FloorPanel(ToolPanel):
         point : int
             Its number.
         pixel : tuple of float
-            Where it is in the picture: (u, v).
+            New position in the picture: (u, v).
 
         Raises
         ------
         TypeError, ValueError
-            If there is no such point, or an argument has the wrong type.
+            If the point is unknown, or an argument has the wrong type.
         """
         self._change(lambda: self._view.points.move(point, pixel))
 
     def snap(self, point: int, *, reach: float = 12.0) -> None:
-        """Move a point to the nearest corner, such as of a tile, or dot.
+        """Move a point to the nearest dot or corner, such as of a tile.
 
         Parameters
         ----------
         point : int
             Its number.
         reach : float
-            Up to how far off it is looked for (px).
+            Largest distance of the corner (px).
 
         Raises
         ------
         TypeError, ValueError
-            If there is no such point, or no corner.
+            If the point is unknown, or there is no corner.
         """
         self._change(lambda: self._view.snap(point, reach))
 
     def place(self, point: int, position: tuple[float, float] | None) -> None:
-        """Say where a point is on the floor.
+        """Set the position of a point on the floor.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class FloorPanel(ToolPanel):
         Raises
         ------
         TypeError, ValueError
-            If there is no such point, or an argument has the wrong type.
+            If the point is unknown, or an argument has the wrong type.
         """
         self._change(lambda: self._view.points.place(point, position))
 
@@ -172,7 +172,7 @@ class FloorPanel(ToolPanel):
         Raises
         ------
         TypeError, ValueError
-            If there is no such point.
+            If the point is unknown.
         """
         self._change(lambda: self._view.points.remove(point))
 
@@ -181,22 +181,22 @@ class FloorPanel(ToolPanel):
         self._change(self._view.points.clear)
 
     def fill(self, step: float) -> int:
-        """Add the corners that the picture has where those of a regular grid are expected.
+        """Find the remaining corners of a regular grid in the picture, and add them.
 
         Parameters
         ----------
         step : float
-            Side of its squares, such as of tiles (mm); a corner is in the origin of the work area.
+                Side of the grid's squares, such as tiles (mm); the work area's origin is a corner.
 
         Returns
         -------
         int
-            How many were found.
+            Number of found corners.
 
         Raises
         ------
         TypeError, ValueError
-            If there are too few points yet to tell where they are expected, or none was found.
+            If there are too few points to predict the corners, or the picture shows no corners.
         """
         return self._change(lambda: self._view.fill(step))
 
@@ -207,16 +207,16 @@ class FloorPanel(ToolPanel):
         mm_per_px: float | None = None,
         marker_height: float | None = None,
     ) -> None:
-        """Set the work area, and how high the markers are; what is not given stays.
+        """Set the work area and the height of the markers; omitted values stay.
 
         Parameters
         ----------
         area : tuple of int, optional
             Width and height of the work area (px).
         mm_per_px : float, optional
-            A px of the work area on the floor (mm).
+            Size of a work-area pixel on the floor (mm).
         marker_height : float, optional
-            How high above the floor the robot's markers are (mm); needs a lens.
+            Height of the robot's markers above the floor (mm); requires a lens.
 
         Raises
         ------
@@ -231,16 +231,16 @@ class FloorPanel(ToolPanel):
     def find_sheets(
         self, *, mark: float | None = None, places: Mapping[int, tuple[float, float]] | None = None
     ) -> FloorCalibration:
-        """Calibrate by the floor sheets that the picture shows; return how well each sheet fits.
+        """Calibrate by the floor sheets in the picture; return the fit of each sheet.
 
         Parameters
         ----------
         mark : float, optional
-            Side of a mark on the sheets, measured on the print (mm). Default: as it is; at first
-            80.
+            Side of a mark, measured on the printed sheet (mm). Default: the current value,
+            initially 80.
         places : mapping of int to tuple of float, optional
-            Where the cross of a sheet lies (mm), by its number. Default: as
-            `robsim.lab.calibrate_floor_by_sheets` has it.
+            Position of the cross of a sheet (mm), by sheet number. Default: as for
+            `robsim.lab.calibrate_floor_by_sheets`.
 
         Raises
         ------
@@ -265,26 +265,26 @@ class FloorPanel(ToolPanel):
     # The lens.
 
     def take_board(self, board: Chessboard | Charuco | None = None) -> int:
-        """Take the picture that is shown for the calibration of the lens.
+        """Take the displayed picture for the calibration of the lens.
 
         Parameters
         ----------
         board : Chessboard or Charuco, optional
-            What it shows. Default: as it is; at first the default chessboard. If only the side of
-            its squares is another one than before, the pictures that were taken count as before.
+            The board in the picture. Default: the current board, at first the default chessboard.
+            If only the side of its squares differs, earlier pictures remain valid.
 
         Returns
         -------
         int
-            How many corners it shows.
+            Number of corners in the picture.
 
         Raises
         ------
         ImportError
             If OpenCV is not installed.
         TypeError, ValueError
-            If an argument has the wrong type, there is no board in the picture, or those that were
-            taken have another size, or show another board: see `drop_boards`.
+            If an argument has the wrong type, or the picture shows no board. Also if earlier
+            pictures have another size or show another board: see `drop_boards`.
         """
         if not (board is None or isinstance(board, (Chessboard, Charuco))):
             raise TypeError(f"board must be a Chessboard or a Charuco, got {quoted(board)}")
@@ -303,19 +303,19 @@ class FloorPanel(ToolPanel):
         Parameters
         ----------
         picture : int, optional
-            Which one, by its place among those that were taken, from 0. Default: all.
+            Position in the list of taken pictures, from 0. Default: all.
 
         Raises
         ------
         TypeError, ValueError
-            If there is no such picture.
+            If the picture is unknown.
         """
         self._view.ask(lambda: self._view.lens.drop(picture))
 
     def calibrate_lens(self) -> LensCalibration:
-        """Calibrate the lens by the pictures that were taken; return how well it fits each.
+        """Calibrate the lens from the taken pictures; return the fit of each picture.
 
-        The floor is calibrated through it.
+        The floor is then calibrated through this lens.
 
         Raises
         ------
@@ -339,7 +339,7 @@ class FloorPanel(ToolPanel):
         Parameters
         ----------
         path : path, optional
-            The file. Default: that of the panel.
+            The file. Default: the panel's file.
 
         Returns
         -------
@@ -349,10 +349,10 @@ class FloorPanel(ToolPanel):
         Raises
         ------
         OSError
-            If it cannot be written.
+            If the file cannot be written.
         TypeError, ValueError
-            If `path` is no path to a ``.toml`` file, or something is missing. If the file exists:
-            if it is no calibration, is unknown to this panel, or has another lens.
+            If `path` is not a path to a ``.toml`` file, or something is missing. Also if an
+            existing file is not a calibration, was not loaded here, or has another lens.
         """
         return self._view.ask(lambda: self._view.save(path))
 

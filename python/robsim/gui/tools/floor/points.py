@@ -1,4 +1,4 @@
-"""Points on the floor while they are placed, and the work area; each change can be undone."""
+"""Points on the floor during placement, and the work area; each change can be undone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robsim.base.text import quoted
 from robsim.gui.tools.history import History
 from robsim.vision.robots.polygon_checks import finite_array
 
-#: Points that a map needs.
+#: Minimum number of points for a map.
 FEWEST = 4
 MOST = 200
 _LARGEST_NUMBER = 10**6
@@ -25,7 +25,7 @@ Place = tuple[float | None, float | None]
 
 @dataclass(frozen=True)
 class PlacedPoint:
-    """A point of the picture, and where it is on the floor."""
+    """A point of the picture and its position on the floor."""
 
     number: int  # its name
     pixel: tuple[float, float]  # (u, v)
@@ -38,7 +38,7 @@ class PlacedPoint:
 
 @dataclass(frozen=True)
 class FloorDraft:
-    """A floor that is calibrated by points, as far as it is known."""
+    """A floor calibrated by points, possibly incomplete."""
 
     area: tuple[int, int]  # width and height (px)
     mm_per_px: float  # of the work area, on the floor
@@ -47,51 +47,51 @@ class FloorDraft:
 
     @property
     def complete(self) -> list[PlacedPoint]:
-        """The points whose place is given."""
+        """The points with known positions."""
         return [one for one in self.points if one.is_complete]
 
     @property
     def pixels(self) -> Floats:
-        """Where these are in the picture, (N, 2)."""
+        """Their positions in the picture, (N, 2)."""
         return np.array([one.pixel for one in self.complete], float).reshape(-1, 2)
 
     @property
     def places(self) -> Floats:
-        """Where these are on the floor (mm), (N, 2)."""
+        """Their positions on the floor (mm), (N, 2)."""
         return np.array([one.place for one in self.complete], float).reshape(-1, 2)
 
     def problems(self) -> list[str]:
-        """Return what is missing or wrong before anything can be fitted, a sentence each."""
+        """Return the problems that prevent a fit, one sentence each."""
         said = []
         if lacking := [str(one.number) for one in self.points if not one.is_complete]:
             numbers = ", ".join(lacking)
             which = f"point {numbers} has" if len(lacking) == 1 else f"points {numbers} have"
-            said.append(f"{which} no place on the floor yet: give x and y")
+            said.append(f"{which} no position on the floor yet: enter x and y")
         missing = FEWEST - len(self.points)
         if missing > 0:
             more = "a point" if missing == 1 else f"{missing} points"
-            said.append(f"place {more} more: {FEWEST} are needed, with 6 a wrong one shows")
+            said.append(f"place {more} more: {FEWEST} are required, 6 reveal a wrong point")
         said += [
             f"points {one} and {other} have the same place on the floor"
             for one, other in _near(self.complete, self.places, 1e-9)
         ]
         pixels = np.array([one.pixel for one in self.points]).reshape(-1, 2)
         said += [
-            f"points {one} and {other} lie on each other in the picture"
+            f"points {one} and {other} coincide in the picture"
             for one, other in _near(self.points, pixels, _APART)
         ]
         return said
 
 
 def _near(points: Sequence[PlacedPoint], at: Floats, limit: float) -> list[tuple[int, int]]:
-    """Return the numbers of the points that are nearer to each other than a limit."""
+    """Return the numbers of the points that are closer together than a limit."""
     apart = np.linalg.norm(at[:, None] - at[None], axis=2)
     pairs = np.argwhere(np.triu(apart < limit, k=1)).tolist()
     return [(points[i].number, points[j].number) for i, j in pairs[:3]]
 
 
 class FloorPoints(History[FloorDraft]):
-    """A floor while its points are placed."""
+    """A floor during the placement of its points."""
 
     @property
     def draft(self) -> FloorDraft:
@@ -104,18 +104,18 @@ class FloorPoints(History[FloorDraft]):
         at, where = checked_pixel(pixel), _place(place)
         points = self.draft.points
         if len(points) >= MOST:
-            raise ValueError(f"there are {MOST} points already, which is enough")
+            raise ValueError(f"there are already {MOST} points, the maximum")
         number = 1 + max((one.number for one in points), default=0)
         self._change(points=(*points, PlacedPoint(number, at, where)))
         return number
 
     def put(self, pixels: Any, places: Any) -> None:
-        """Place points in place of all that there are."""
+        """Replace all points."""
         seen = finite_array("pixels", pixels, (-1, 2))
         where = finite_array("positions", places, (-1, 2))
         if len(seen) != len(where) or len(seen) > MOST:
             raise ValueError(
-                f"pixels and positions must be as many, at most {MOST}, got {len(seen)} and "
+                f"pixels and positions must have the same length, at most {MOST}, got {len(seen)}, "
                 f"{len(where)}"
             )
         both = zip(seen.tolist(), where.tolist(), strict=True)
@@ -127,7 +127,7 @@ class FloorPoints(History[FloorDraft]):
         )
 
     def extend(self, found: Sequence[tuple[Any, Any]]) -> None:
-        """Add several points, pixel and place of each, in one change."""
+        """Add several points with pixel and position, in one change."""
         first = 1 + max((one.number for one in self.draft.points), default=0)
         room = MOST - len(self.draft.points)
         points = [
@@ -137,17 +137,17 @@ class FloorPoints(History[FloorDraft]):
         self._change(points=(*self.draft.points, *points))
 
     def move(self, number: int, to: Any, *, goes_on: bool = False) -> None:
-        """Move a point; `goes_on`: it is the same change as the one before, undone with it."""
+        """Move a point; with `goes_on`, one undo reverts this and the previous change."""
         self._replace(number, goes_on=goes_on, pixel=checked_pixel(to))
 
     def nudge(self, number: int, by: Any, *, goes_on: bool = False) -> None:
-        """Move a point by so many pixels."""
+        """Move a point by a number of pixels."""
         right, down = finite_array("by", by, (2,)).tolist()
         u, v = self.point(number).pixel
         self.move(number, (u + right, v + down), goes_on=goes_on)
 
     def place(self, number: int, place: Any) -> None:
-        """Say where a point is on the floor (mm); None = not known."""
+        """Set the position of a point on the floor (mm); None = not known."""
         self._replace(number, place=_place(place))
 
     def remove(self, number: int) -> None:
@@ -164,7 +164,7 @@ class FloorPoints(History[FloorDraft]):
         for one in self.draft.points:
             if one.number == number:
                 return one
-        raise ValueError(f"there is no point {number}")
+        raise ValueError(f"unknown point {number}")
 
     # The work area.
 
@@ -175,7 +175,7 @@ class FloorPoints(History[FloorDraft]):
         mm_per_px: float | None = None,
         marker_height: float | None = None,
     ) -> None:
-        """Set what is given of the work area."""
+        """Set the given values of the work area."""
         changes: dict[str, Any] = {}
         if area is not None:
             changes["area"] = check_size("area", area)
@@ -198,7 +198,7 @@ class FloorPoints(History[FloorDraft]):
 
 
 def checked_pixel(value: Any) -> tuple[float, float]:
-    """Return a point of a picture (px); ValueError if it is none."""
+    """Return a point of a picture (px); ValueError if it is invalid."""
     u, v = finite_array("pixel", value, (2,)).tolist()
     if max(abs(u), abs(v)) > _FARTHEST:
         raise ValueError(f"pixel must lie in the picture, got {quoted(value)}")

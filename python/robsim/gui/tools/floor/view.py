@@ -1,4 +1,4 @@
-"""The panel that calibrates a floor: points on its picture, sheets in it, how well they fit."""
+"""The panel that calibrates a floor: points or sheets in its picture, and their fit."""
 
 from __future__ import annotations
 
@@ -67,14 +67,14 @@ MESSAGES: Messages = {
 }
 
 
-#: What is shown, and what a floor is fitted by: while it is a lens, by the points.
+#: The display and the source of the fit; "lens" fits the floor by the points.
 WAYS = ("points", "sheets", "lens")
-_FILL_REACH = 8.0  # px, of where a corner of a grid is expected
+_FILL_REACH = 8.0  # px, around the expected corner of a grid
 Pixel = tuple[float, float]
 
 
 class FloorView(ToolView):
-    """Calibrates a floor, by points that are placed on its picture, or by sheets in it."""
+    """Calibrates a floor, by points placed on its picture or by sheets in the picture."""
 
     kind: ClassVar[str] = "floor"
     messages: ClassVar[Messages] = MESSAGES
@@ -93,13 +93,13 @@ class FloorView(ToolView):
         self.sheets = FloorSheets()
         self.base = base
         self.file = file
-        self._files = {file.resolve()} if is_read else set()  # that were read or written
+        self._files = {file.resolve()} if is_read else set()  # files read or written
         self.way = WAYS[0]
         self._chosen: int | None = None
         self._frames: tuple[int, int] | None = None
-        self._fit_report: FloorCalibration | None = None  # of what was fitted last
-        self._wrong = ""  # why nothing could be fitted
-        self._fitted: object = None  # what that was
+        self._fit_report: FloorCalibration | None = None  # of the last fit
+        self._wrong = ""  # why the fit failed
+        self._fitted: object = None  # the data of the last fit
         self.lens = LensPictures(self)
         self._fitting = self.beside("robsim floor fit")
         self._finding = self.beside("robsim floor sheets")
@@ -181,7 +181,7 @@ class FloorView(ToolView):
         self._frames = images.frame_size(self.shown.frame.image)
         self.lens.changed_picture()
 
-    # What changes it; TypeError, ValueError or OSError: nothing was changed.
+    # Changes; TypeError, ValueError or OSError: nothing changed.
 
     def change(self, change: Callable[[], T]) -> T:
         try:
@@ -193,7 +193,7 @@ class FloorView(ToolView):
             self.tell_state()
 
     def add(self, pixel: Any, place: Any, reach: float) -> int:
-        """Add a point, at the nearest corner or dot if there is one within reach (px)."""
+        """Add a point, at the nearest corner or dot within reach (px), if any."""
         at = checked_pixel(pixel)
         found = self._snapped(at, reach) if reach > 0 else None
         number = self.points.add(at if found is None else found, place)
@@ -205,11 +205,11 @@ class FloorView(ToolView):
         reach = check_float("reach", reach, "px", exclusive_minimum=0)
         found = self._snapped(self.points.point(number).pixel, reach)
         if found is None:
-            raise ValueError(f"there is no corner and no dot near point {number}")
+            raise ValueError(f"no corner or dot near point {number}")
         self.points.move(number, found)
 
     def fill(self, step: float) -> int:
-        """Add the corners that the picture has where those of a grid are expected."""
+        """Find the remaining corners of a grid in the picture, and add them."""
         draft = self.points.draft
         width, height = (side * draft.mm_per_px for side in draft.area)
         step = check_float("step", step, "mm", minimum=max(width, height) / 100)
@@ -219,8 +219,8 @@ class FloorView(ToolView):
         expected = self._grid_places(floor, step)
         if len(draft.points) + len(expected) > MOST:
             raise ValueError(
-                f"step must be larger: it gives {len(expected)} places in the picture, and there "
-                f"may be {MOST} points"
+                f"step must be larger: the grid has {len(expected)} corners in the picture, "
+                f"more than {MOST}"
             )
         found = [
             (corner, place)
@@ -228,12 +228,12 @@ class FloorView(ToolView):
             if (corner := self._snapped(pixel, _FILL_REACH))
         ]
         if not found:
-            raise ValueError(f"no other corner lies on a grid of {step:g} mm")
+            raise ValueError(f"no other corner found on a grid of {step:g} mm")
         self.points.extend(found)
         return len(found)
 
     def _grid_places(self, floor: PlaneMap, step: float) -> list[tuple[Pixel, Pixel]]:
-        """Return where a grid (mm) is in the picture, and on the floor, without its points."""
+        """Return the positions of a grid (mm) in the picture and on the floor, minus its points."""
         draft = self.points.draft
         width, height = images.frame_size(self.shown.frame.image)
         columns, rows = (int(side * draft.mm_per_px / step) + 1 for side in draft.area)
@@ -247,20 +247,20 @@ class FloorView(ToolView):
         ]
 
     def use(self, way: str) -> None:
-        """Let the floor be fitted by points, or by sheets; or show the lens."""
+        """Fit the floor by points or by sheets, or show the lens."""
         if way not in WAYS:
             raise ValueError(f"by must be one of {', '.join(WAYS)}")
         self.way = way
 
     def load(self, file: str | PathLike[str]) -> None:
-        """Take lens and floor of a calibration in place of those that are known."""
+        """Replace lens and floor by a calibration's."""
         path = as_path(file, "calibration")
         refuse_device(path)
         self.take(load_calibration(path))
         self._note_file(path)
 
     def take(self, calibration: Calibration | None) -> None:
-        """Take lens and floor of a calibration; None = nothing is known."""
+        """Take lens and floor of a calibration; None = unknown."""
         self.base = calibration
         if calibration is not None and calibration.area and calibration.mm_per_px:
             self.points.adjust(
@@ -271,7 +271,7 @@ class FloorView(ToolView):
         self.tell_state()
 
     def save(self, path: str | PathLike[str] | None = None) -> Path:
-        """Write the calibration into a file, which is the panel's from now on."""
+        """Write the calibration into a file, which becomes the panel's file."""
         file = file_to_save(self.file if path is None else path)
         calibration = self.calibration()
         there = replaced(file, calibration, is_known=file.resolve() in self._files)
@@ -279,21 +279,21 @@ class FloorView(ToolView):
         self._note_file(file)
         if there is not None and there.floor is not None and calibration.floor is None:
             self.note(
-                f"{one_line(file)} had a floor, by the lens that is replaced: calibrate it again",
+                f"{one_line(file)} had a floor for the replaced lens: calibrate the floor again",
                 "info",
             )
         return file
 
     def _note_file(self, file: Path) -> None:
-        """Note the file that was read or written: it is the one to write from now on."""
+        """Note a file that was read or written, as the default for Save."""
         self.file = file
         self._files.add(file.resolve())
         self.tell_state()
 
-    # What it is.
+    # Results.
 
     def fit_report(self) -> FloorCalibration:
-        """Return how well it fits now; ValueError if something is missing or wrong."""
+        """Return the current fit; ValueError if something is missing or wrong."""
         task = self._task()
         if self._fitted != task:
             self._take_fit(task, self._fit(task))
@@ -302,7 +302,7 @@ class FloorView(ToolView):
         return self._fit_report
 
     def calibration(self) -> Calibration:
-        """Return the calibration as it is now; ValueError if something is missing or wrong."""
+        """Return the current calibration; ValueError if something is missing or wrong."""
         draft = self.points.draft
         if self.way == "sheets":
             return self.fit_report().calibration
@@ -312,11 +312,11 @@ class FloorView(ToolView):
         image = self.shown.frame.image
         try:
             return fitted(draft, self.base, found.size, image).calibration
-        except ImportError:  # floor sheets are not kept in mind
+        except ImportError:  # OpenCV is missing, so there are no sheets
             return found
 
     def _shown_calibration(self) -> Calibration | None:
-        """Return what the grid is drawn by."""
+        """Return the calibration for drawing the grid."""
         if self._fit_report is not None:
             return self._fit_report.calibration
         has_points = bool(self.points.draft.points) or self.way == "sheets"
@@ -340,23 +340,23 @@ class FloorView(ToolView):
         return said
 
     def _why_not_saved(self) -> str:
-        """Return what is to be done before it can be saved; empty if it can be."""
+        """Return why the calibration cannot be saved and the remedy; empty if it can."""
         is_lens_alone = self.base is not None and self.base.floor is None
         has_points = bool(self.points.draft.points) or self.way == "sheets"
         if self._shown_calibration() is not None or (is_lens_alone and not has_points):
             return ""
         if self.way == "lens" and not has_points:
-            return "take pictures of the board, and press Use this lens when it fits"
-        return "; ".join(self._problems()) or "it is not ready yet"
+            return "take pictures of the board, and press Use this lens when the fit is good"
+        return "; ".join(self._problems()) or "the calibration is not ready yet"
 
-    # How it is fitted: in a thread of its own, always what is newest.
+    # Fits: in a separate thread, always with the newest data.
 
     def _task(self) -> tuple[Any, ...]:
         by = self.sheets.task() if self.way == "sheets" else None
         return (self.way, self.points.draft, self.base, self._frames, by)
 
     def _fit(self, task: tuple[Any, ...]) -> FloorCalibration | str:
-        """Return a fit, or why there is none; any thread."""
+        """Return a fit, or the reason for its absence; any thread."""
         way, draft, base, size, by = task
         try:
             if size is None:
@@ -381,14 +381,14 @@ class FloorView(ToolView):
             return
         way, draft, *_ = task
         if way != "sheets" and draft.problems() and len(draft.complete) < 4:
-            self._take_fit(task, "; ".join(draft.problems()))  # it is known without a fit
+            self._take_fit(task, "; ".join(draft.problems()))  # known without a fit
             self.tell_state()
             return
 
         def take(found: FloorCalibration | str | None) -> None:
             if self._fitted == self._task():
-                return  # somebody did not want to wait for it
-            self._take_fit(task, "it could not be fitted" if found is None else found)
+                return  # another thread fitted meanwhile
+            self._take_fit(task, "the fit failed" if found is None else found)
             self.tell_state()
 
         self._fitting.begin(lambda: self._fit(task), take)
@@ -427,12 +427,12 @@ class FloorView(ToolView):
         elif name == "mark":
             self.sheets.adjust(value)
         else:
-            raise ValueError("there is no such setting")
+            raise ValueError("unknown setting")
 
     def _find_sheets(self) -> None:
         image = self.shown.frame.image
         if self._finding.is_busy:
-            raise ValueError("the picture before is still looked at")
+            raise ValueError("the previous picture is still being processed")
 
         def take(found: SeenSheets | str | None) -> None:
             self.way = "sheets"
@@ -446,7 +446,7 @@ class FloorView(ToolView):
         self.tell_state()
 
     def find_sheets(self) -> None:
-        """Find the sheets in the picture, and let the floor be fitted by them."""
+        """Find the sheets in the picture, and fit the floor by them."""
         found = self.sheets.looking(self.shown.frame.image)()
         if isinstance(found, str):
             raise ValueError(found)
@@ -454,7 +454,7 @@ class FloorView(ToolView):
         self.way = "sheets"
 
     def _magnify(self, link: Link, message: dict[str, Any]) -> None:
-        """Send the pixels around a point, as they are."""
+        """Send the pixels around a point."""
         if self.picture is None:
             return
         box, part = magnified(self.picture.frame.image, message)

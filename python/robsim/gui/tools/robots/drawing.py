@@ -1,4 +1,4 @@
-"""A robot while it is drawn, by the mouse or by methods; each change can be undone."""
+"""A robot during drawing, by the mouse or by methods; each change can be undone."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robsim.vision.robots.sketch import Sketch
 
 
 class RobotDrawing(History[Sketch]):
-    """A robot while it is drawn."""
+    """A robot during drawing."""
 
     @property
     def sketch(self) -> Sketch:
@@ -24,7 +24,7 @@ class RobotDrawing(History[Sketch]):
     # Corners.
 
     def put(self, part: str, polygon: Any, *, goes_on: bool = False) -> None:
-        """Draw a polygon in place of what is there; none = nothing is drawn.
+        """Replace the polygon of a part; an empty polygon removes the part.
 
         `goes_on`: the change extends the previous one; one undo reverts both.
         """
@@ -36,7 +36,7 @@ class RobotDrawing(History[Sketch]):
         self.put(part, corners, goes_on=goes_on)
 
     def insert(self, part: str, corner: int, at: Any) -> None:
-        """Insert a corner before another one; as many as there are = behind the last one."""
+        """Insert a corner before corner `corner`; the number of corners = after the last one."""
         corners = self.sketch.part(part)
         corner = check_int("corner", corner, minimum=0, maximum=len(corners))
         self.put(part, np.insert(corners, corner, finite_array("at", at, (2,)), axis=0))
@@ -47,16 +47,16 @@ class RobotDrawing(History[Sketch]):
     # The whole.
 
     def turn(self, degrees: float) -> None:
-        """Turn the heading: the robot faces right after so much more of a clockwise rotation."""
+        """Turn the heading: the robot faces right after an additional clockwise rotation."""
         turned = self.sketch.alignment + check_float("degrees", degrees, "degrees")
         alignment = float(np.remainder(turned + 180, 360) - 180)
         self.go_to(replace(self.sketch, alignment=alignment))
 
     def face(self, towards: Any, *, goes_on: bool = False) -> None:
-        """Let the robot face a point of the picture, as seen from its centre."""
+        """Turn the heading from the robot's centre towards a point of the picture."""
         right, down = finite_array("towards", towards, (2,)) - self.sketch.middle
         if np.hypot(right, down) < 1:
-            raise ValueError("towards must lie beside the centre of the robot")
+            raise ValueError("towards must differ from the centre of the robot")
         alignment = float(-np.degrees(np.arctan2(down, right)))
         self.go_to(replace(self.sketch, alignment=alignment), goes_on=goes_on)
 
@@ -66,12 +66,12 @@ class RobotDrawing(History[Sketch]):
         self.go_to(replace(self.sketch, size=size))
 
     def scale(self, one: Any, other: Any, distance: float) -> None:
-        """Set the size by two points of the picture that are so far apart (work-area px)."""
+        """Set the size by two points of the picture and their distance (work-area px)."""
         distance = check_float("distance", distance, "px", exclusive_minimum=0, maximum=10_000)
         apart = finite_array("other", other, (2,)) - finite_array("one", one, (2,))
         pixels = float(np.hypot(*apart))
         if pixels < 1:
-            raise ValueError("one and other must be a pixel apart, at least")
+            raise ValueError("one and other must be at least one pixel apart")
         self.resize(distance / pixels * self.sketch.image.shape[1])
 
     def _index(self, part: str, corner: int) -> int:
@@ -79,7 +79,7 @@ class RobotDrawing(History[Sketch]):
 
 
 def cut_out(image: images.Pixels, square: tuple[float, float, float]) -> images.Pixels:
-    """Return what a square of a picture shows: its centre and side (px)."""
+    """Return a square of a picture: its centre and side (px)."""
     u, v, side = square
     count = round(side)
     left, top = (round(middle - side / 2) for middle in (u, v))

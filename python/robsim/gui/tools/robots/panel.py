@@ -18,8 +18,8 @@ from robsim.vision.robots.lookup import as_robot
 class RobotPanel(ToolPanel):
     """The panel that defines a robot; `robsim.gui.robot_panel` makes it.
 
-    What its mouse does can be done by its methods, from any thread. A context closes it at its end;
-    what it looked at stays open.
+    Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
+    but not the camera or run that supplies the pictures.
     """
 
     _maker = "robsim.gui.robot_panel"
@@ -27,7 +27,7 @@ class RobotPanel(ToolPanel):
 
     @property
     def value(self) -> RobotDefinition:
-        """The robot as it is drawn now; a ValueError says what is missing. It can be set."""
+        """The robot in the drawing; ValueError if it is incomplete. Assign to set it."""
         return self._look(self._view.definition)
 
     @value.setter
@@ -36,15 +36,15 @@ class RobotPanel(ToolPanel):
         self._view.ask(lambda: self._view.load(definition))
 
     def load(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
-        """Take a picture, as if it were dropped on the tool.
+        """Load a picture, as if it were dropped on the tool.
 
-        One whose surroundings are transparent is drawn on at once, with first guesses; another one
-        is shown in place of the live picture, and `capture` takes the robot out of it.
+        If its surroundings are transparent, the drawing starts from it at once, with first guesses.
+        Otherwise the picture replaces the live picture, and `capture` cuts out the robot.
 
         Parameters
         ----------
         picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
-            The picture. What is drawn on is scaled down to at most 1000 px a side.
+            The picture. The drawing scales it down to at most 1000 px a side.
 
         Raises
         ------
@@ -53,26 +53,26 @@ class RobotPanel(ToolPanel):
         RuntimeError
             If the panel is closed.
         TypeError, ValueError
-            If it is no picture, or transparent everywhere; nothing is changed then.
+            If the picture is invalid, or transparent everywhere; nothing changes.
         """
         super().load(picture)
 
     def capture(self, *, whole: bool = False) -> None:
-        """Draw on what the square of the live or loaded picture shows, with first guesses.
+        """Start a drawing from the square of the live or loaded picture, with first guesses.
 
-        It is scaled down to at most 1000 px a side.
+        The picture is scaled down to at most 1000 px a side.
 
         Parameters
         ----------
         whole : bool
-            Take all of the picture instead.
+            Use the whole picture instead of the square.
 
         Raises
         ------
         TypeError
             If `whole` is neither True nor False.
         ValueError
-            If there is no such picture.
+            If there is no live or loaded picture.
         """
         check_bool("whole", whole)
         self._view.ask(lambda: self._view.capture(whole=whole))
@@ -83,39 +83,39 @@ class RobotPanel(ToolPanel):
         Parameters
         ----------
         part : str
-            ``"outline"``, or the colour of a marker: ``"red"``, ``"blue"`` or what they are.
+            ``"outline"``, or the colour of a marker, such as ``"red"`` or ``"blue"``.
         polygon : array (N, 2)
-            Its corners (image px): right, down.
+            Its corners (image px): x to the right, y down.
 
         Raises
         ------
         TypeError, ValueError
-            If an argument has the wrong type or shape; nothing is changed then.
+            If an argument has the wrong type or shape; nothing changes.
         """
         self._change(lambda: self._view.drawing.put(part, polygon))
 
     def turn(self, degrees: float) -> None:
-        """Turn the picture against the heading.
+        """Rotate the picture relative to the heading.
 
         Parameters
         ----------
         degrees : float
-            Clockwise rotation that is added (degrees).
+            Additional clockwise rotation (degrees).
 
         Raises
         ------
         TypeError, ValueError
-            If it is no number.
+            If `degrees` is not a number.
         """
         self._change(lambda: self._view.drawing.turn(degrees))
 
     def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
-        """Add the robot to your own, where it survives a restart.
+        """Save the robot to the user's robots, which survive a restart.
 
         Parameters
         ----------
         name : str
-            Its name, which no robot that ships has.
+            Its name, which no shipped robot may have.
         overwrite : bool
             Replace your robot of this name, if there is one.
 
@@ -127,7 +127,7 @@ class RobotPanel(ToolPanel):
         Raises
         ------
         TypeError, ValueError
-            If the name is not valid or taken, or the robot is not complete.
+            If the name is invalid or taken, or the robot is incomplete.
         """
         check_bool("overwrite", overwrite)
         return self._view.ask(lambda: self._view.save(name, overwrite=overwrite))

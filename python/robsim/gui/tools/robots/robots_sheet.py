@@ -13,7 +13,7 @@ from robsim.vision.robots.sketch import OUTLINE
 
 _WIDTH, _HEIGHT = 800, 500
 _SIDE = 455  # of the picture
-_LEFT = 480  # of what stands beside it
+_LEFT = 480  # of the text column
 _ROOM = _WIDTH - _LEFT - 12
 _SQUARE, _ARROW = "#ffd500", 44.0
 
@@ -41,7 +41,7 @@ def _draw_parts(shown: Shown, state: Mapping[str, Any]) -> None:
     part = state["part"]
     for corner in state["parts"][part]:
         shown.dot(corner, state["inks"][part])
-    # It faces right after a clockwise rotation by the alignment.
+    # The robot faces right after a clockwise rotation by the alignment.
     shown.arrow(state["centre"], -math.radians(state["alignment"]), _ARROW, "white")
 
 

@@ -1,4 +1,4 @@
-"""The panel that defines a robot: its picture, its polygons, its heading, its size, its name."""
+"""The panel that defines a robot: picture, polygons, heading, size and name."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ _SQUARE = 0.4  # of the shorter side of a picture
 _SMALLEST = 8.0  # px
 _NAME = "mine"
 _OUTLINE_INK = "#ffd500"
-_OTHER_INK = "#d6409f"  # of a marker whose colour is not known
+_OTHER_INK = "#d6409f"  # of a marker with an unknown colour
 
 
 class RobotsView(ToolView):
-    """Defines a robot, of a picture that is captured, or of a robot that there is."""
+    """Defines a robot, from a captured picture or an existing robot."""
 
     kind: ClassVar[str] = "robots"
     messages: ClassVar[Messages] = MESSAGES
@@ -78,16 +78,16 @@ class RobotsView(ToolView):
         drawn = OnePicture(over_floor(robot.image), robot.name)
         super().__init__(drawn if source is None else source)
         self._as_loaded = Sketch.of(robot)
-        self._begun = self._as_loaded  # where Reset goes back to
+        self._begun = self._as_loaded  # the drawing after Reset
         self.drawing = RobotDrawing(self._as_loaded)
         self.name = robot.name
-        self._of: str | None = robot.name  # the robot that is drawn on; None = of a picture
+        self._of: str | None = robot.name  # the robot of the drawing; None = from a picture
         self._first = self._loaded = robot
         self._colors = tuple(colors)
         self._part = OUTLINE
         self._square: tuple[float, float, float] | None = None  # centre and side (px)
         self._has_pictures = source is not None
-        self.is_frozen = not begins_live or source is None  # the drawing is shown, nothing newer
+        self.is_frozen = not begins_live or source is None  # shows the drawing
         self.begin()
         if self.is_frozen:
             self.post(self._show_drawing)
@@ -146,7 +146,7 @@ class RobotsView(ToolView):
         return partial(robots_still, self.picture, self.source.title, self._state())
 
     def changed_source(self) -> None:
-        self._square = None  # which was of the pictures before
+        self._square = None  # the square belongs to the previous pictures
 
     def changed_picture(self) -> None:
         if self._square is None and self.picture is not None and not self.is_frozen:
@@ -154,10 +154,10 @@ class RobotsView(ToolView):
             middle = (width / 2, height / 2, _SQUARE * min(width, height))
             self._square = self.source.robot_in(self.picture) or middle
 
-    # What changes it; TypeError, ValueError or OSError: nothing was changed.
+    # Changes; TypeError, ValueError or OSError: nothing changed.
 
     def load(self, robot: RobotDefinition) -> None:
-        """Draw on a robot that there is."""
+        """Draw on an existing robot."""
         self._as_loaded = Sketch.of(robot)
         self._begun = self._as_loaded
         self.drawing.begin(self._begun)
@@ -166,7 +166,7 @@ class RobotsView(ToolView):
         self._show_drawing()
 
     def capture(self, *, whole: bool = False) -> None:
-        """Draw on the square of the live picture, or on all of it, with first guesses."""
+        """Draw on the square or on all of the live picture, with first guesses."""
         if self.picture is None or self._square is None or self.is_frozen:
             raise ValueError("there is no live picture to capture")
         image = self.picture.frame.image
@@ -175,7 +175,7 @@ class RobotsView(ToolView):
         self._draw_on(sketch)
         if not any(len(corners) for corners in sketch.markers.values()):
             where = "picture" if whole else "square"
-            self.note(f"no robot in the {where}: capture again, or draw it by hand", "warning")
+            self.note(f"no robot in the {where}: capture again, or draw by hand", "warning")
 
     def loading(self, pixels: images.Pixels, name: str) -> Callable[[], object]:
         if not is_cut_out(pixels):
@@ -187,8 +187,8 @@ class RobotsView(ToolView):
 
     def go_back(self) -> None:
         if not self._has_pictures:
-            raise ValueError("there is no camera to go back to")
-        self._left = None, False  # not the drawing, which may have become another one
+            raise ValueError("there is no camera to return to")
+        self._left = None, False  # not the drawing, which may have changed
         super().go_back()
 
     @property
@@ -197,20 +197,20 @@ class RobotsView(ToolView):
 
     def look_at(self, k: int) -> None:
         if self.is_frozen:
-            raise ValueError("the robot is drawn now: Capture again shows the pictures")
+            raise ValueError("the panel shows the drawing; Capture again shows the pictures")
         super().look_at(k)
 
     def freeze(self, on: bool) -> None:
-        raise ValueError("nothing is kept here: capture takes what the picture shows")
+        raise ValueError("this tool cannot freeze: use capture instead")
 
     def definition(self) -> RobotDefinition:
-        """Return the robot as it is drawn; ValueError says what is missing."""
+        """Return the robot in the drawing; ValueError if it is incomplete."""
         if self.drawing.sketch is self._as_loaded:
-            return self._loaded  # with what is not drawn
+            return self._loaded  # includes fields outside of the drawing
         return self.drawing.sketch.definition(self.name)
 
     def save(self, name: str, *, overwrite: bool = False) -> RobotDefinition:
-        """Add the robot to the user's, where it survives a restart."""
+        """Save the robot to the user's robots, which survive a restart."""
         robot = add_robot(
             name, self.drawing.sketch.definition(name), overwrite=overwrite, ignore_colors=True
         )
@@ -221,13 +221,13 @@ class RobotsView(ToolView):
         return robot
 
     def named(self) -> RobotDefinition:
-        """Return the robot as it is drawn; one that was changed has a name that is free for it."""
+        """Return the robot in the drawing; a changed robot gets a free name."""
         if self.drawing.sketch is not self._as_loaded and not self._is_mine:
             self.name = _free_name(self.name)
         return self.definition()
 
     def keep(self) -> str:
-        """Save what was changed, and let it be the default from now on; return what was done."""
+        """Save the changes, and make the robot the default; return a summary."""
         done = []
         if self.drawing.sketch is not self._as_loaded:
             self.save(self.name, overwrite=self._is_mine)
@@ -236,12 +236,12 @@ class RobotsView(ToolView):
             return ""
         if self.name != default_robot():
             set_default_robot(self.name)
-            done.append(f"{self.name} is the default robot from now on")
+            done.append(f"{self.name} is now the default robot")
         return "; ".join(done)
 
     @property
     def _is_stored(self) -> bool:
-        """Whether what is drawn on is a robot of the list, and not another one of its name."""
+        """Whether the robot of the drawing is stored under its name."""
         return self._of in robot_names() and as_robot(self._of) == self._loaded
 
     @property
@@ -265,12 +265,12 @@ class RobotsView(ToolView):
         self._show_drawing()
 
     def _choose(self, part: str) -> None:
-        self.drawing.sketch.part(part)  # which there must be
+        self.drawing.sketch.part(part)  # raises for an unknown part
         self._part = part
         self.tell_state()
 
     def _inks(self) -> dict[str, str]:
-        """Return what each part is drawn with: a marker with its colour."""
+        """Return the ink of each part: a marker has its colour."""
         known = {color.name: css_color(color) for color in self._colors}
         colors = self.drawing.sketch.markers
         return {OUTLINE: _OUTLINE_INK, **{name: known.get(name, _OTHER_INK) for name in colors}}
@@ -285,7 +285,7 @@ class RobotsView(ToolView):
 
     def _resume(self) -> None:
         if not self._can_capture:
-            raise ValueError("there is no camera to go back to")
+            raise ValueError("there is no camera to return to")
         self.is_frozen = False
         if self.is_replaced:
             self.show(self.source.at(0))
@@ -302,14 +302,14 @@ class RobotsView(ToolView):
 
 
 def _listed(name: str) -> RobotDefinition:
-    """Return a robot of the list: browsers name no folders."""
+    """Return a robot of the list: browsers must not name folders."""
     if name not in robot_names():
-        raise ValueError(f"there is no robot {quoted(name)}")
+        raise ValueError(f"unknown robot {quoted(name)}")
     return as_robot(name)
 
 
 def _free_name(name: str) -> str:
-    """Return a name that no robot has: this one, or one that says that it is the user's."""
+    """Return an unused robot name: `name` itself, or a variant marked as the user's own."""
     for one in itertools.chain([name, _NAME], (f"{_NAME}{n}" for n in itertools.count(2))):
         with suppress(ValueError):
             check_new_name(one, overwrite=False)
