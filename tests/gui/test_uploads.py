@@ -74,7 +74,7 @@ def test_a_picture_comes_in_parts_and_is_shown(view, browser):
     assert waiting(view) == []
 
 
-@pytest.mark.filterwarnings("ignore:pictures that viewers turn")
+@pytest.mark.filterwarnings("ignore:pictures that viewers rotate")
 def test_a_picture_lies_as_on_the_sensor_and_on_a_grey_floor(view, browser):
     turned = Image.Exif()
     turned[0x0112] = 6  # to be turned clockwise

@@ -189,7 +189,7 @@ def test_a_sheet_says_what_is_given_and_what_the_world_is():
     assert not any("identify_from" in sheets[name] for name in sheets.keys() - {"identify"})
     assert all(word in sheets["estimate"] for word in ("at rest", "no walls"))
     assert "while the robot is hidden" in sheets["measure"]
-    assert all("not handed in" in sheet and "template" in sheet for sheet in sheets.values())
+    assert all("does not accept" in sheet and "template" in sheet for sheet in sheets.values())
 
 
 def test_what_a_sheet_says_of_the_world_is_true():

@@ -129,7 +129,7 @@ class Simulation(WorldSlots, Runner):
         no update. True: the estimator updates them.
     measure : callable or bool, optional
         ``measure(step) -> Measurement or None``, called at each step with a frame: the pose seen in
-        it; None = not seen. True: the two markers are located.
+        it, None = not seen. True: the two markers are located.
     estimate_state : callable, optional
         ``estimate_state(step) -> Estimate``, called at each step: the pose and its covariance.
     control : callable, optional
