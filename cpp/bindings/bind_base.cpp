@@ -94,5 +94,10 @@ Returns
 -------
 float or array
     Wrapped angle (rad), of the same shape.
+
+Examples
+--------
+>>> robsim.wrap_angle(np.radians([190, -190])).round(3)
+array([-2.967,  2.967])
 )");
 }

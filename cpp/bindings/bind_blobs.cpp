@@ -107,6 +107,13 @@ bounding_box : tuple of int
     (u_min, v_min, u_max, v_max), all included.
 at_border : bool
     Whether it touches the edge of the frame and may continue beyond it.
+
+Examples
+--------
+>>> frame = robsim.Simulation(seed=1).step().frame
+>>> blob = robsim.find_blobs(frame, robsim.load_colors())["blue"][0]
+>>> blob.area, blob.centroid.round(1), blob.at_border
+(558, array([586. , 578.5]), False)
 )");
   const Fields fields(
       &make_blob, Field("color", &Blob::color, "str: name of the colour class."), by_name,
@@ -157,6 +164,13 @@ Raises
 ------
 TypeError, ValueError
     For an image of the wrong type or shape, duplicate colour names, and options out of range.
+
+Examples
+--------
+>>> frame = robsim.Simulation(seed=1).step().frame
+>>> blobs = robsim.find_blobs(frame, robsim.load_colors())
+>>> {color: [blob.area for blob in found] for color, found in blobs.items()}
+{'blue': [558], 'red': [3136, 558]}
 )");
 
   public_in(module, "robsim._core")
@@ -191,6 +205,13 @@ Raises
 ------
 TypeError, ValueError
     For an image of the wrong type or shape, duplicate colour names, and options out of range.
+
+Examples
+--------
+>>> frame = robsim.Simulation(seed=1).step().frame
+>>> masks = robsim.vision.classify(frame, robsim.load_colors())
+>>> {color: int(mask.sum()) for color, mask in masks.items()}  # pixels
+{'blue': 558, 'red': 3694}
 )");
 }
 

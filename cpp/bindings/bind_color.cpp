@@ -210,6 +210,13 @@ Raises
 ------
 TypeError, ValueError
     For an image of the wrong type or shape.
+
+Examples
+--------
+>>> frame = robsim.Simulation(seed=1).step().frame
+>>> medians, spreads = robsim.vision.surrounding_chroma(frame)
+>>> medians.round()
+array([125., 128.])
 )")
       .def("color_histograms", &histograms_of, "image"_a, "region"_a, R"(
 Return how many pixels of a region have each value of Y, U and V.
@@ -230,6 +237,13 @@ Raises
 ------
 TypeError, ValueError
     For an image or a region of the wrong type or shape, or a region outside the image.
+
+Examples
+--------
+>>> image = np.full((4, 5, 3), 128, np.uint8)
+>>> counts = robsim.vision.color_histograms(image, (0, 0, 2, 1))
+>>> counts.argmax(axis=1), int(counts.max())  # Y, U, V; number of pixels
+(array([128, 128, 128]), 6)
 )");
 }
 
@@ -245,6 +259,13 @@ name : str
     Name of the colour.
 y, u, v : tuple of two ints
     Lower and upper end of the range, both included, within 0..255.
+
+Examples
+--------
+>>> red = robsim.ColorClass("red", u=(60, 125), v=(180, 255))
+>>> y, u, v = robsim.vision.rgb_to_yuv(np.uint8([[[200, 30, 40]]]))[0, 0]
+>>> bool(red.u[0] <= u <= red.u[1] and red.v[0] <= v <= red.v[1])
+True
 )");
   const auto range = [](std::size_t channel) {
     return [channel](const ColorClass& color) { return range_of(color, channel); };
@@ -272,6 +293,12 @@ Returns
 -------
 array (H, W, 3) of uint8
     Y, U, V.
+
+Examples
+--------
+>>> robsim.vision.rgb_to_yuv(np.uint8([[[255, 0, 0], [128, 128, 128]]]))[0]
+array([[ 75,  84, 255],
+       [128, 128, 128]], dtype=uint8)
 )");
   bind_training(module, color_class);
 }

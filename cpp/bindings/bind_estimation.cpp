@@ -140,7 +140,15 @@ void define_recursive_value(RecursiveClass& cls) {
 
 void bind_fit(py::module_& module) {
   Class<LeastSquaresFit> fit(public_in(module, "robsim.estimation"), "LeastSquaresFit",
-                             "Result of `least_squares`.");
+                             R"(
+Result of `least_squares`.
+
+Examples
+--------
+>>> fit = robsim.estimation.least_squares([[1, 0], [0, 1], [1, 1]], [1, 2, 3.3])
+>>> fit.theta.round(3), fit.standard_errors.round(3)
+(array([1.1, 2.1]), array([0.141, 0.141]))
+)");
   define_repr(fit,
               "<LeastSquaresFit: theta {0.theta}, rank {0.rank}, condition {0.condition:.3g}, "
               "residual rms {0.residual_rms:.3g}>");
@@ -204,6 +212,14 @@ variances D of single columns of U are limited. This adds information along thes
 estimates do not change, excited directions are forgotten as before, and when excitation returns the
 filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
 filter follows a change of the parameters more and more slowly as samples accumulate.
+
+Examples
+--------
+>>> rls = robsim.RecursiveLeastSquares(2)
+>>> for phi, y in [((1, 0), 1.0), ((0, 1), 2.0), ((1, 1), 3.3)]:
+...     theta = rls.update([phi], [y])
+>>> theta.round(3)
+array([[1.1, 2.1]])
 )");
   recursive
       .def(py::init<int, int, double, double>(), "n_parameters"_a, py::kw_only(), "n_filters"_a = 1,
@@ -288,5 +304,10 @@ Notes
 -----
 Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
 Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
+
+Examples
+--------
+>>> robsim.estimation.least_squares([[1, 0], [0, 1], [1, 1]], [1, 2, 3.3])
+<LeastSquaresFit: theta [1.1 2.1], rank 2, condition 1.73, residual rms 0.1>
 )");
 }

@@ -86,10 +86,13 @@ headings : int, optional
 
 Examples
 --------
-A frame in shared memory, which then stays open as long as the frame (under a mere
-``np.ndarray(..., buffer=shared.buf)`` it could be closed):
+A frame in shared memory keeps that memory open. Here a ``bytearray`` has its place:
 
->>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
+>>> memory = bytearray(480 * 640 * 3)
+>>> frame = robsim.Frame(memoryview(memory).cast("B", (480, 640, 3)), copy=False, t=0.2)
+>>> memory[0] = 255
+>>> frame.image[0, 0].tolist(), frame.t
+([255, 0, 0], 0.2)
 )");
   frame
       .def(py::init(&make_frame), "image"_a, py::kw_only(), "copy"_a.noconvert() = true,
@@ -109,8 +112,9 @@ t, t_arrival, epoch, index, plane_map, headings
 
 Examples
 --------
->>> ok, image = cv2.VideoCapture(0).read()
->>> frame = Frame.from_bgr(image, t=time.monotonic())
+>>> blue = np.uint8([[[255, 0, 0]]])
+>>> robsim.Frame.from_bgr(blue).image[0, 0].tolist()
+[0, 0, 255]
 )")
       .def(
           "_repr_png_",

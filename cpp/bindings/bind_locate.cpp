@@ -107,6 +107,13 @@ Raises
 ------
 ValueError
     If the pose is not finite, if the covariance is none, or if a figure is below 0 or not finite.
+
+Examples
+--------
+>>> noise = robsim.GaussianNoise(10)
+>>> sim = robsim.Simulation(measure=True, headings=None, noise=noise, seed=1)
+>>> np.sqrt(np.diag(sim.step().measurement.covariance)).round(2)  # px, px, rad
+array([0.03, 0.04, 0.  ])
 )");
   const Fields fields(
       &make_measurement,
@@ -149,6 +156,12 @@ What `detect` found: the pair of blobs that fits the markers best, how well, and
 The misfit is the sum of three squared deviations: of the distance, as a fraction of
 ``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of that of
 ``area_tolerance``. In a pair that is accepted each is at most 1.
+
+Examples
+--------
+>>> markers = robsim.load_robot("lab").marker_layout()
+>>> robsim.vision.detect({"red": [], "blue": []}, markers).reason
+'no blobs'
 )");
   detection
       .def_property_readonly(
@@ -209,6 +222,14 @@ The misfit is the sum of three squared deviations: of the distance, as a fractio
 
   Class<MissedDetections> missed(public_in(module, "robsim.vision"), "MissedDetections", R"(
 The steps of a run in which the default measurement detected no robot, for the same reason.
+
+Examples
+--------
+>>> sim = robsim.Simulation(measure=True, area=(200, 200), start=(5, 100, 0), seed=1)
+>>> sim.run(3).seen.any()
+np.False_
+>>> [(missed.reason, missed.steps) for missed in sim.missed_detections]
+[('at the border', 3)]
 )");
   missed
       .def_property_readonly(
@@ -303,9 +324,11 @@ References
 
 Examples
 --------
+>>> frame = robsim.Simulation(seed=1).step().frame
 >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
 >>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
->>> detection.reason, detection.explanation
+>>> detection.explanation
+'red and blue blobs 43.0 px of the work area apart fit the markers (misfit 0.01)'
 )");
 
   public_in(module, "robsim._core")
@@ -362,9 +385,11 @@ References
 
 Examples
 --------
+>>> frame = robsim.Simulation(headings=None, seed=1).step().frame
 >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
->>> measurement = robsim.locate(blobs, robsim.load_robot("lab").marker_layout(), image=frame)
->>> measurement.pose, measurement.covariance
+>>> markers = robsim.load_robot("lab").marker_layout()
+>>> robsim.locate(blobs, markers, image=frame).pose.round(1) + 0.0  # px, px, rad
+array([600., 600.,   0.])
 )");
 }
 

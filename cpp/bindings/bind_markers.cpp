@@ -215,6 +215,12 @@ colors : dict of str to str, optional
     By role, the names of the colour classes: those of a colour file, such as
     ``{"right": "green", "left": "orange"}``. Default: the right or front marker is red, the other
     one blue.
+
+Examples
+--------
+>>> markers = robsim.vision.MarkerLayout(distance=43, offset=12)
+>>> markers.colors
+{'right': 'red', 'left': 'blue'}
 )");
   layout
       .def(py::init([](double distance, double offset, double distance_tolerance,

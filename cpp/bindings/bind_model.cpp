@@ -184,6 +184,12 @@ Raises
 ------
 ValueError
     If a value is not physical; the sentence says which one and why.
+
+Examples
+--------
+>>> light, heavy = (robsim.RobotParameters(mass=mass) for mass in (0.3, 0.6))
+>>> [float(robsim.RobotModel(p).theta[0, 2].round(3)) for p in (light, heavy)]
+[0.208, 0.108]
 )");
   const auto field = [](const char* name, auto get, const char* doc) {
     return Field(name, get, doc, std::invoke(get, RobotParameters()));
@@ -232,6 +238,13 @@ Notes
 -----
 Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
 Robots, IEEE Trans. SMC A 30(4), 2000.
+
+Examples
+--------
+>>> robsim.RobotModel().theta.round(3)  # rows X, Y, heading: -a1, -a2, b1, b2, d1
+array([[ 1.938, -0.938,  0.208,  0.208,  0.   ],
+       [ 1.938, -0.938,  0.208,  0.208,  0.   ],
+       [ 1.833, -0.833,  0.031, -0.031,  0.   ]])
 )");
   model.def(py::init<const RobotParameters&>(), "parameters"_a = RobotParameters())
       .def_static("from_theta", &model_from, "theta"_a, py::kw_only(),
@@ -367,5 +380,12 @@ phi : array (N - 2, 3, 5)
     Regressors of steps 2..N-1 for the axes X, Y and P (heading).
 y : array (N - 2, 3)
     Outputs; y = sum(phi * theta, axis=2) for the true theta.
+
+Examples
+--------
+>>> trace = robsim.Simulation(control=robsim.DriveAround(), seed=1).run(50)
+>>> phi, y = robsim.estimation.regression(trace.pose_true, trace.u)
+>>> np.allclose((phi * robsim.RobotModel().theta).sum(axis=2), y)
+True
 )");
 }

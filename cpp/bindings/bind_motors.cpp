@@ -90,6 +90,12 @@ Raises
 ------
 ValueError
     If one is not above 0.
+
+Examples
+--------
+>>> limits = robsim.lab.Limits(voltage=1.0)
+>>> limits.applied((2.0, 1.0), (0.0, 0.0), 0.2)
+array([1. , 0.5])
 )");
   const Fields fields(
       &make_limits, by_name,
@@ -312,6 +318,12 @@ Raises
 ------
 robsim.lab.LineError
     If the port is taken, or there is no such address.
+
+Examples
+--------
+>>> with robsim.lab.MotorReceiver() as robot:
+...     print(robot.input, robot.counts)
+[0. 0.] LineCounts(valid=0, damaged=0, old=0, foreign=0)
 )")
       .def(py::init(&make_receiver), "port"_a = 0, py::kw_only(), "host"_a = "127.0.0.1",
            "descriptor"_a = py::none(), "actuation_delay"_a = 0.0, "answers"_a.noconvert() = true)

@@ -130,8 +130,9 @@ NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engine
 Examples
 --------
 >>> matrix = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
->>> intrinsics = Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
->>> plane_map = PlaneMap.from_points(seen, corners, intrinsics)
+>>> lens = robsim.vision.Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
+>>> robsim.vision.PlaneMap(intrinsics=lens).to_world((0, 0)).round(1)  # of the corner
+array([-10. ,  -7.5])
 )");
   const auto distortion = [](const Intrinsics& self) {
     return to_array(self.distortion().data(), {5});
@@ -185,6 +186,14 @@ Raises
 ------
 TypeError, ValueError
     If the matrix is not finite or has no inverse.
+
+Examples
+--------
+>>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
+>>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+>>> plane_map = robsim.vision.PlaneMap.from_points(seen, corners)
+>>> plane_map.to_world((541, 77)).round(3)
+array([1199.,    0.])
 )");
   const auto matrix = [](const PlaneMap& self) { return to_array(self.matrix().data(), {3, 3}); };
   define_value(
@@ -255,7 +264,9 @@ Examples
 --------
 >>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
 >>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
->>> plane_map = PlaneMap.from_points(seen, corners)
+>>> plane_map = robsim.vision.PlaneMap.from_points(seen, corners)
+>>> plane_map.to_world((541, 77)).round(3) + 0.0
+array([1199.,    0.])
 )")
       .def("at_height", &PlaneMap::at_height, "height"_a, R"(
 Return the map of what lies above the floor, such as markers on a robot.

@@ -20,6 +20,14 @@ Notes
 -----
 s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
 x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
+
+Examples
+--------
+>>> drive = {"control": robsim.DriveAround(), "seed": 1}
+>>> model = robsim.Simulation(**drive).run(100)
+>>> unicycle = robsim.Simulation(evaluate_model=robsim.Unicycle(), **drive).run(100)
+>>> np.abs(unicycle.pose_true - model.pose_true).max(axis=0).round(1)
+array([89.4, 32.2,  0. ])
 )");
   unicycle.def(
       "__call__",
@@ -72,6 +80,13 @@ Raises
 ------
 IndexError
     When it is called for a step that has no row.
+
+Examples
+--------
+>>> sim = robsim.Simulation(control=robsim.Replay([(0.2, 0.2), (0.2, -0.2)]), seed=1)
+>>> sim.run(2).u
+array([[ 0.2,  0.2],
+       [ 0.2, -0.2]])
 )");
   replay.def(py::init(&replay_from), "u"_a)
       .def_property_readonly("u", &inputs_of, "array (N, 2): the voltages (V), read-only.");
@@ -84,6 +99,11 @@ void bind_ready_controllers(py::module_& module) {
   Class<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"), "Controller",
                                                  R"(
 A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
+
+Examples
+--------
+>>> robsim.Spin()(robsim.Step(k=0))
+array([ 0.05, -0.05])
 )")
       .def(
           "__call__", [](const Controller& self, const Step& step) { return self(step); }, "step"_a,
@@ -96,6 +116,12 @@ Parameters
 ----------
 voltage : float
     Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
+
+Examples
+--------
+>>> trace = robsim.Simulation(control=robsim.Spin(), seed=1).run(50)
+>>> abs(trace.pose_true[-1] - trace.pose_true[0]).round(2)  # px, px, rad
+array([0.  , 0.  , 0.81])
 )");
   const auto spin_fields = members<Spin>(
       [](const Spin& made) { made.check(); },
@@ -114,6 +140,12 @@ low, high : float
     The voltages are uniform in [low, high) (V).
 hold : int
     Steps for which a voltage is held.
+
+Examples
+--------
+>>> trace = robsim.Simulation(control=robsim.DriveAround(), seed=1).run(100)
+>>> len(np.unique(trace.u, axis=0))  # each input lasts some steps
+10
 )");
   const auto fields = members<DriveAround>(
       [](const DriveAround& made) { made.check(); }, by_name,

@@ -54,6 +54,12 @@ covariance : array (3, 3)
     Its covariance.
 state : array (n,), optional
     Any further state, n the same at every step.
+
+Examples
+--------
+>>> estimate = robsim.Estimate((600, 500, 0.1), np.diag([4, 4, 0.01]))
+>>> np.sqrt(np.diag(estimate.covariance))  # px, px, rad
+array([2. , 2. , 0.1])
 )");
   const auto state = [](const Estimate& self) {
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
@@ -78,6 +84,13 @@ y : array (3,)
     Outputs x, y (work-area px) and heading (rad).
 k : int
     The step whose output y is.
+
+Examples
+--------
+>>> phi = np.tile([10.0, 9.0, 0.5, 0.5, 1.0], (3, 1))
+>>> sample = robsim.estimation.Sample(phi, y=(10.8, 10.8, 10.8), k=2)
+>>> sample.phi.shape, sample.k
+((3, 5), 2)
 )");
   const auto make = [](const AxisMatrix& phi, const ArrayLike& y, std::int64_t k) {
     check_step_number(k);
@@ -115,6 +128,13 @@ sample : Sample, optional
     The sample for the parameter estimator, if somebody else has made it.
 interrupted : bool
     The robot was stopped since the last step: no sample spans that.
+
+Examples
+--------
+>>> dark = robsim.Frame(np.zeros((480, 640, 3), np.uint8))
+>>> seen = robsim.Observation(dark, t=0.2, measurement=(600, 500, 0.1))
+>>> seen.measurement.pose.tolist()
+[600.0, 500.0, 0.1]
 )");
   const auto known = [](auto Observation::* member) {
     return [member](const Arrived& self) { return self.known.*member; };

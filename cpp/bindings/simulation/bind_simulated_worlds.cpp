@@ -153,6 +153,12 @@ k : int
     Number of the step.
 t, dt : float, optional
     Time and sample time (s). Default: k dt, and the dt of the model.
+
+Examples
+--------
+>>> world = robsim.simulation.WorldState((601, 500, 0), (600, 500, 0), last_u=(0, 0))
+>>> robsim.Unicycle()(world).round(2)
+array([601.94, 500.  ,   0.  ])
 )");
   const Fields fields(
       &make_world_state,

@@ -180,8 +180,9 @@ markers : MarkerLayout, optional
 
 Examples
 --------
->>> step = Step(k=3, measurement=(600, 500, 0.1))
->>> GoToPoint(900, 300)(step)
+>>> step = robsim.Step(k=3, measurement=(600, 500, 0.1))
+>>> [round(float(u), 3) for u in robsim.GoToPoint(900, 300)(step)]
+[0.037, 1.0]
 )");
   const RobotParameters defaults;
   const auto numbers = fields_of_step([] { return std::shared_ptr<Step>(); });
