@@ -83,6 +83,13 @@ class CampaignSpec:
     given : str
         What callbacks may look at: ``"all"``, or no more than where they are graded, ``"frames"``,
         ``"blobs"``, ``"pose"``.
+
+    Examples
+    --------
+    >>> robsim.campaigns.CampaignSpec(
+    ...     vary={"headings": [36, None]}, metrics="tracking", runs=4, steps=20, seed=1
+    ... )
+    <CampaignSpec: 2 cases x 4 runs of 20 steps, metrics tracking>
     """
 
     scenario: Scenario | None = None

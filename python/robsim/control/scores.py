@@ -41,6 +41,14 @@ class PathScore(Report):
         Root mean square of the voltages of both motors (V); NaN = not known.
     unit : str
         The unit of lengths: that of the trace.
+
+    Examples
+    --------
+    >>> path = [(700, 600), (700, 700)]
+    >>> sim = robsim.Simulation(control=robsim.FollowPath(path), measure=True, seed=1)
+    >>> score = robsim.score_path(sim.run(150), path)
+    >>> score.reached, score.waypoints
+    (2, 2)
     """
 
     source: str
@@ -219,6 +227,13 @@ class PoseScore(Report):
         Root mean square of the voltages of both motors (V); NaN = not known.
     unit : str
         The unit of lengths: that of the trace.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(control=robsim.GoToPoint(700, 500), measure=True, seed=1)
+    >>> score = robsim.control.score_pose(sim.run(150), (700, 500, 0))
+    >>> round(score.final_distance, 1)
+    2.5
     """
 
     source: str

@@ -121,6 +121,12 @@ class Quantity:
         Format of a float, or a function of the value that returns its text, such as `percent`.
     missing : str
         The displayed text if the value is not known.
+
+    Examples
+    --------
+    >>> error = robsim.estimation.Quantity("rmse", "rms error", 0.03125, unit="px", format=".3f")
+    >>> f"{error.title}: {error.value:{error.format}} {error.unit}"
+    'rms error: 0.031 px'
     """
 
     key: str

@@ -56,6 +56,12 @@ class Identifiability(Report):
         The data of the estimates: truth, measurement or estimate.
     unit : str
         The unit of lengths, as in the trace.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(control=robsim.Spin(), estimate_parameters=True, seed=1)
+    >>> print(robsim.identifiability(sim.run(100)).verdict)
+    not excited
     """
 
     standard_errors: Floats

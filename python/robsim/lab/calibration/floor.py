@@ -90,6 +90,16 @@ def calibrate_floor(
     TypeError, ValueError
         If an argument has the wrong type or shape, too many marks lie on a line, or their order is
         that of a mirrored floor.
+
+    Examples
+    --------
+    >>> pixels = [(102, 80), (541, 77), (630, 455), (12, 460), (320, 200)]
+    >>> positions = [(0, 0), (1199, 0), (1199, 1199), (0, 1199), (598, 431)]
+    >>> found = robsim.lab.calibrate_floor(
+    ...     pixels, positions, area=(1200, 1200), mm_per_px=1.0, size=(640, 480)
+    ... )
+    >>> found.verdict
+    'bad'
     """
     area = check_size("area", area)
     scale = check_mm_per_px(mm_per_px)

@@ -28,6 +28,12 @@ class CameraReport(Report):
         What there is: each with what to give `Camera`.
     missing : tuple of str
         What there is not, or cannot be used: why, and what to do.
+
+    Examples
+    --------
+    >>> report = robsim.lab.find_cameras()
+    >>> 'a file played at its own rate: robsim.Camera("run.mkv")' in report.found
+    True
     """
 
     found: tuple[str, ...]

@@ -48,6 +48,13 @@ class CameraCheck(Report):
         The robot that was looked for.
     remarks : tuple of str
         What could not be judged, and why.
+
+    Examples
+    --------
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     check = robsim.lab.check_camera(camera, robot="lab", seconds=0.5)
+    >>> check.seen > 0, check.robot.name
+    (True, 'lab')
     """
 
     findings: tuple[CameraFinding, ...]

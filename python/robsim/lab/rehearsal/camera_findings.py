@@ -95,6 +95,13 @@ class CameraFinding:
         ``"good"``, ``"poor"``, ``"bad"`` or ``"not known"``.
     remedy : str
         What to do if it is not good.
+
+    Examples
+    --------
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     check = robsim.lab.check_camera(camera, robot="lab", seconds=0.5)
+    >>> check.findings[0].name, check.findings[0].unit
+    ('frame rate', '1/s')
     """
 
     name: str

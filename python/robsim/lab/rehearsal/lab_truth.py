@@ -36,6 +36,14 @@ class LabTruth:
     shown : array (N,) of int
         The tick of the picture that the camera delivered for this one: its own, but for a repeated
         frame. -1: none, or none yet.
+
+    Examples
+    --------
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     frame = camera.read()
+    ...     truth = lab.truth
+    >>> truth.pose[0].tolist()
+    [600.0, 600.0, 0.0]
     """
 
     first: int

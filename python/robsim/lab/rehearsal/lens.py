@@ -34,6 +34,13 @@ class Lens:
     -----
     Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971;
     the radial terms.
+
+    Examples
+    --------
+    >>> lens = robsim.lab.Lens(k1=-0.05)
+    >>> with robsim.lab.SimulatedLab(lens=lens) as lab, robsim.Camera(lab) as camera:
+    ...     print(camera.read().image.shape)
+    (1200, 1200, 3)
     """
 
     k1: float = 0.0

@@ -37,6 +37,13 @@ def plot_camera_check(check: CameraCheck) -> Figure:
     ------
     TypeError
         If `check` is something else.
+
+    Examples
+    --------
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     check = robsim.lab.check_camera(camera, robot="lab", seconds=0.5)
+    >>> len(robsim.plotting.plot_camera_check(check).axes)
+    3
     """
     if not hasattr(check, "findings"):
         raise TypeError(

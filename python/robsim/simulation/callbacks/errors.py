@@ -32,6 +32,16 @@ class FailedCallback:
         The step; None = at the start, or on loading its file.
     source : SourceLine or None
         The line of your code that raised it, or the callback's definition; None = unknown.
+
+    Examples
+    --------
+    >>> def control(step):
+    ...     return 1 / 0
+    >>> try:
+    ...     robsim.Simulation(control=control, seed=1).run(2)
+    ... except ZeroDivisionError as error:
+    ...     print(error.callback.slot, error.callback.k)
+    control 0
     """
 
     slot: str

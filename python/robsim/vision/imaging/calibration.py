@@ -100,6 +100,13 @@ class Calibration:
     ------
     TypeError, ValueError
         If an argument has the wrong type or is out of range; the message names the argument.
+
+    Examples
+    --------
+    >>> floor = robsim.vision.PlaneMap(np.diag([2.0, 2.0, 1.0]))
+    >>> calibration = robsim.vision.Calibration(size=(640, 480), floor=floor, area=(1279, 959))
+    >>> calibration.plane_map.to_world((100, 50))
+    array([200., 100.])
     """
 
     size: tuple[int, int]

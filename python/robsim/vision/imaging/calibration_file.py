@@ -131,6 +131,14 @@ def save_calibration(path: str | PathLike[str], calibration: Calibration) -> Non
         If the file cannot be written.
     TypeError, ValueError
         If an argument has another type, or the name of the file does not end in ``.toml``.
+
+    Examples
+    --------
+    >>> lens = robsim.vision.Intrinsics([[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]])
+    >>> calibration = robsim.vision.Calibration(size=(640, 480), intrinsics=lens)
+    >>> robsim.vision.save_calibration("ceiling.toml", calibration)
+    >>> robsim.vision.load_calibration("ceiling.toml").size
+    (640, 480)
     """
     file = as_path(path)
     check_kind("calibration", calibration, Calibration)
@@ -183,6 +191,14 @@ def load_calibration(path: str | PathLike[str]) -> Calibration:
     ValueError
         If the file is no calibration, or is damaged; the message names file and key, the expected
         and the actual value.
+
+    Examples
+    --------
+    >>> lens = robsim.vision.Intrinsics([[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]])
+    >>> calibration = robsim.vision.Calibration(size=(640, 480), intrinsics=lens)
+    >>> robsim.vision.save_calibration("ceiling.toml", calibration)
+    >>> robsim.vision.load_calibration("ceiling.toml").intrinsics.matrix[0].tolist()
+    [800.0, 0.0, 319.5]
     """
     return codec.load_table(path, _read)  # type: ignore[no-any-return]
 

@@ -63,6 +63,14 @@ class ColorScore(report.Report):
         change, negative = narrower.
     sweeps : tuple of Sweep
         Detection rates of the colour, unchanged and widened by `margin`.
+
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> [blue] = [color for color in robsim.load_colors() if color.name == "blue"]
+    >>> score = robsim.vision.score_color(frame, blue, [(570, 560, 600, 595)])
+    >>> [sweep.name for sweep in score.sweeps]
+    ['brightness', 'shadow', 'uniform noise', 'gaussian noise', 'gaussian noise in shadow']
     """
 
     color: ColorClass
@@ -182,6 +190,13 @@ def score_color(
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape, or a region does not lie within the image.
+
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> [blue] = [color for color in robsim.load_colors() if color.name == "blue"]
+    >>> robsim.vision.score_color(frame, blue, [(570, 560, 600, 595)]).margin
+    5
     """
     pixels = image.image if isinstance(image, Frame) else image
     check_kind("color", color, ColorClass)

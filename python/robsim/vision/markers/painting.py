@@ -36,6 +36,14 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     ------
     TypeError
         If `masks` is not a dict.
+
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> masks = robsim.vision.classify(frame, robsim.load_colors())
+    >>> painted = robsim.vision.paint_classes(frame, masks)
+    >>> int((painted != frame.image).any(axis=2).sum()) > 0
+    True
     """
     if not isinstance(masks, dict):
         raise TypeError(

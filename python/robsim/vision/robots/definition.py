@@ -39,6 +39,12 @@ class BlobMarker(Value):
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape; the message names the argument.
+
+    Examples
+    --------
+    >>> marker = robsim.vision.BlobMarker([(0, 0), (10, 0), (10, 6), (0, 6)], "red")
+    >>> marker.color, len(marker.polygon)
+    ('red', 4)
     """
 
     polygon: Floats = field(repr=False)

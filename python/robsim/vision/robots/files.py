@@ -138,6 +138,12 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
         If `robot` is not a RobotDefinition, or `folder` not a path.
     OSError
         If a file cannot be written.
+
+    Examples
+    --------
+    >>> robsim.vision.save_robot("mine", robsim.load_robot("lab"))
+    >>> robsim.load_robot("mine").size
+    120.0
     """
     check_kind("robot", robot, RobotDefinition)
     folder = as_path(folder, "folder")

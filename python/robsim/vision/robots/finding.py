@@ -85,6 +85,12 @@ def robot_from_image(
     -----
     UserWarning
         If the image has no transparency and no `outline` is given.
+
+    Examples
+    --------
+    >>> robot = robsim.vision.robot_from_image("mine", robsim.load_robot("lab").image)
+    >>> {role: marker.color for role, marker in robot.markers.items()}
+    {'front': 'red', 'back': 'blue'}
     """
     small, scale = _reduced(check_pixels("image", image, 4))
     around = opaque_outline(small) if outline is None else _scaled("outline", outline, scale)

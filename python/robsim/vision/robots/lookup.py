@@ -88,7 +88,14 @@ def store_default_robot(name: str) -> None:
 
 
 def reset_default_robot() -> None:
-    """Make ``lab`` the default robot again; a damaged settings file is renamed, not deleted."""
+    """Make ``lab`` the default robot again; a damaged settings file is renamed, not deleted.
+
+    Examples
+    --------
+    >>> robsim.vision.reset_default_robot()
+    >>> robsim.vision.default_robot()
+    'lab'
+    """
     file = settings_file()
     if not file.exists():
         return
@@ -220,6 +227,13 @@ def set_default_robot(name: str) -> None:
     ------
     ValueError
         If the robot is unknown, or its files do not define one.
+
+    Examples
+    --------
+    >>> robsim.vision.set_default_robot("robot2")
+    >>> robsim.vision.default_robot()
+    'robot2'
+    >>> robsim.vision.reset_default_robot()
     """
     folder = find_folder(check_text("name", name))
     if folder is None:

@@ -113,6 +113,13 @@ def add_robot(
     -----
     UserWarning
         If the image has no transparency and no `outline` is given.
+
+    Examples
+    --------
+    >>> robot = robsim.vision.add_robot("mine", robsim.load_robot("lab"))
+    >>> robsim.load_robot("mine").name
+    'mine'
+    >>> robsim.vision.remove_robot("mine")
     """
     check_new_name(name, check_bool("overwrite", overwrite))
     check_bool("ignore_colors", ignore_colors)
@@ -174,6 +181,14 @@ def rotate_robot(name: str, degrees: float) -> RobotDefinition:
     ------
     ValueError
         If you have no robot of this name.
+
+    Examples
+    --------
+    >>> robot = robsim.vision.add_robot("mine", robsim.load_robot("lab"))
+    >>> turned = robsim.vision.rotate_robot("mine", 90)
+    >>> robot.alignment, turned.alignment
+    (90.0, 180.0)
+    >>> robsim.vision.remove_robot("mine")
     """
     import tomlkit
 
@@ -217,6 +232,13 @@ def remove_robot(name: str) -> None:
     ------
     ValueError
         If you have no robot of this name.
+
+    Examples
+    --------
+    >>> robot = robsim.vision.add_robot("mine", robsim.load_robot("lab"))
+    >>> robsim.vision.remove_robot("mine")
+    >>> "mine" in robsim.vision.robot_names()
+    False
     """
     _user_robot(name)
     with _locked(user_robots_folder()):

@@ -126,6 +126,13 @@ def save_sheet(
         If the file cannot be written.
     TypeError, ValueError
         If an argument has another type, or the pattern does not fit on the paper.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> robsim.lab.save_sheet("board.pdf", robsim.lab.Chessboard(columns=8, rows=6, square=25))
+    >>> pathlib.Path("board.pdf").read_bytes()[:5]
+    b'%PDF-'
     """
     file = as_path(path)
     if file.suffix.lower() != ".pdf":
