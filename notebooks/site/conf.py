@@ -15,6 +15,7 @@ sys.path.insert(0, str(HERE / "_tools"))
 
 import formats  # noqa: E402
 import gathering  # noqa: E402
+import llms  # noqa: E402
 
 project = "robsim"
 copyright = "the authors of robsim; GPL, version 3 or later"
@@ -25,7 +26,6 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autosummary",
     "sphinx_design",
-    "sphinx_llms_txt",
 ]
 exclude_patterns = ["paper/*"]  # a draft for a journal
 templates_path = [str(HERE / "_templates")]  # autosummary has no other way to find them
@@ -48,9 +48,6 @@ nb_render_markdown_format = "gfm"  # with tables
 
 autodoc_typehints = "none"  # docstrings name the types
 numpydoc_show_class_members = False  # the class template lists them
-
-llms_txt_uri_template = "{base_url}{docname}.html"
-llms_txt_full_file = False  # it has sources: no docstring
 
 html_theme = "pydata_sphinx_theme"
 html_title = "robsim"
@@ -118,4 +115,5 @@ def setup(app):
     app.add_html_math_renderer("mathml", (write_formula, None), (write_formula, None))
     app.connect("autodoc-process-signature", without_self, priority=400)  # before numpydoc
     app.connect("doctree-read", replace_outputs)
+    app.connect("build-finished", llms.write)
     nbclient.client.NotebookClient = Client

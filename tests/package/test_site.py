@@ -125,3 +125,9 @@ def test_a_style_that_loads_a_font_from_the_internet_is_a_fault(tmp_path):
     assert [text.split(": ")[1] for text in faults(tmp_path)] == [
         "loads https://example.org/a.woff2"
     ]
+
+
+def test_a_line_of_llms_txt_without_page_is_a_fault(tmp_path):
+    (tmp_path / "page.html").write_text("")
+    (tmp_path / "llms.txt").write_text("- [a](page.html): text (b)\n- [c](missing.html)\n")
+    assert [text.split(": ")[1] for text in faults(tmp_path)] == ["no file missing.html"]

@@ -1,6 +1,6 @@
 """Check the built site: `python check_site.py FOLDER`.
 
-Each internal link has its target, and no page loads anything from the internet.
+Each internal link has its target, also in llms.txt, and no page loads anything from the internet.
 """
 
 import re
@@ -50,6 +50,10 @@ def faults(folder):
                 yield f"{file}: no file {address}"
             elif parts.fragment and target in pages and unquote(parts.fragment) not in anchors:
                 yield f"{file}: no anchor {address}"
+    for file in folder.glob("llms.txt"):
+        for address in re.findall(r"^- \[.*?\]\((.+?)\)", file.read_text(), re.MULTILINE):
+            if not (folder / address).exists():
+                yield f"{file}: no file {address}"
     for file in folder.rglob("*.css"):
         for address in re.findall(r"(?:url\(|@import )[\"']?(https?://[^\"')]+)", file.read_text()):
             yield f"{file}: loads {address}"
