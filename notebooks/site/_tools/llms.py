@@ -67,7 +67,7 @@ def text_of(app, name):
 
 
 def docstrings(name):
-    """Return the docstring of a public object, and those of the methods of a class."""
+    """Return the docstring of a public object; a class also has its methods."""
     value = robsim
     for part in name.split(".")[1:]:
         value = getattr(value, part)
@@ -80,7 +80,7 @@ def docstrings(name):
 
 
 def signature(value):
-    """Return the signature of an object, empty where it has none."""
+    """Return the signature of an object, empty without a signature."""
     try:
         return str(inspect.signature(value)) if callable(value) else ""
     except (TypeError, ValueError):
