@@ -18,15 +18,13 @@ pytestmark = [
 
 
 def test_the_new_room_of_the_page_works(monkeypatch):
-    module, _, tests = blocks(PAGES / "NEW_ROOM.md")
-    room = types.ModuleType("moving_mean")
+    module, tests = blocks(PAGES / "NEW_ROOM.md")
+    room = types.ModuleType("smoothing")
     exec(module, vars(room))
-    (example,) = doctest.DocTestFinder().find(
-        room.moving_mean, globs={**vars(room), "robsim": robsim}
-    )
+    monkeypatch.setattr(robsim.estimation, "moving_mean", room.moving_mean, raising=False)
+    (example,) = doctest.DocTestFinder().find(room.moving_mean, globs={"robsim": robsim})
     assert example.examples
     assert doctest.DocTestRunner().run(example).failed == 0
-    monkeypatch.setattr(robsim.estimation, "moving_mean", room.moving_mean, raising=False)
     names = {}
     exec(tests, names)
     run = [test() for name, test in names.items() if name.startswith("test_")]
