@@ -6,14 +6,13 @@ import base64
 import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cache
-from pathlib import Path
 from statistics import fmean, median
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from robsim.base.checks import Floats
 from robsim.teach.reports import words
-from robsim.teach.reports.drawings import counts_of, floor_of, scale_of, shade
+from robsim.teach.reports.drawings import counts_of, paths_of, scale_of, shade, view_of
 from robsim.teach.reports.similarity import Comparison
 from robsim.teach.results import ERROR, NOT_RUN, SubmissionResult, fraction_of, number
 from robsim.teach.texts import clean_text
@@ -24,30 +23,22 @@ if TYPE_CHECKING:
 #: The best run of a student in a test, (N, 2), in px of the work area.
 Paths = Mapping[str, Mapping[str, Floats]]
 
-_TEMPLATES = Path(__file__).parent / "templates"
-
 
 @cache
 def _environment() -> Environment:
     import jinja2  # here, since only pages need it
-    from markupsafe import Markup
 
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES),
+        loader=jinja2.PackageLoader(__package__),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         finalize=_harmless,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    style, script = ((_TEMPLATES / name).read_text("utf-8") for name in ("style.css", "class.js"))
-    environment.globals |= {
-        "words": words,
-        "style": Markup(style),
-        "script": Markup(script),
-        "script_digest": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
-    }
-    functions = (counts_of, floor_of, fmean, fraction_of, median, number, quote, scale_of, shade)
+    environment.globals["words"] = words
+    functions = (counts_of, digest, scale_of, shade, view_of)
+    functions += (fmean, fraction_of, median, number, quote, zip)
     environment.globals |= {function.__name__: function for function in functions}
     environment.filters |= {name: one for name, one in vars(words).items() if callable(one)}
     return environment
@@ -61,6 +52,11 @@ def _harmless(value: object) -> object:
 
 def rendered(template: str, **values: Any) -> str:
     return _environment().get_template(template).render(values)
+
+
+def digest(script: str) -> str:
+    """Return the SHA-256 of a script as a Content-Security-Policy names it."""
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
 def data_uri(png: bytes) -> str:
@@ -95,8 +91,7 @@ def class_page(
         of = {r.student: one for r in results for one in r.tests if one.name == name}
         graded = {who: one for who, one in of.items() if one.status not in (ERROR, NOT_RUN)}
         short = sorted((one.points, who) for who, one in graded.items() if one.points < one.most)
-        drawn = (paths or {}).get(name, {})
-        drawn = {who: drawn[who] for who in of if who in drawn}
+        drawn = paths_of((paths or {}).get(name, {}), of)
         column = {"test": test, "of": of, "graded": graded, "short": short, "paths": drawn}
         columns.append(column | {"title": words.test_title(test)})
     near = {result.student for result in results if any(map(words.is_near, result.tests))}
