@@ -37,9 +37,9 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.globals["words"] = words
-    functions = (counts_of, digest, scale_of, shade, view_of)
-    functions += (fmean, fraction_of, median, number, quote, zip)
-    environment.globals |= {function.__name__: function for function in functions}
+    drawing = (counts_of, digest, scale_of, shade, view_of)
+    plain = (fmean, fraction_of, median, number, quote, zip)
+    environment.globals |= {function.__name__: function for function in (*drawing, *plain)}
     environment.filters |= {name: one for name, one in vars(words).items() if callable(one)}
     return environment
 

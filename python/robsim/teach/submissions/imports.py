@@ -40,7 +40,7 @@ class NotHereError(ImportError):
     """A submission uses a masked module or name."""
 
     def __init__(self, mask: str) -> None:
-        super().__init__(f"{mask} is not there for this assignment: do without it", name=mask)
+        super().__init__(f"{mask} is not there for this assignment: do not use it", name=mask)
 
 
 class _Absent:
