@@ -270,7 +270,7 @@ def test_every_metric_that_fails_is_named():
     assert result.metrics == ("final_x", "final_y")
     error = result["error"][0]
     assert error.startswith("metric 'ending': SystemExit: 3; metric 'half': TypeError")
-    assert "there is a column 'motor_delay'" in error
+    assert "duplicate column 'motor_delay'" in error
     assert "metric 'list'" in error
     assert "metric 'numbered'" in error
     assert result["line"][0].startswith("test_campaign.py:")

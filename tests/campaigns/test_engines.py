@@ -106,4 +106,4 @@ def test_an_executor_that_fails_says_how_to_go_on(tmp_path):
 
     with pytest.raises(RuntimeError, match="the cluster is gone") as caught:
         run(executor=Broken(), store=tmp_path / "store.sqlite")
-    assert any("the same call goes on" in note for note in caught.value.__notes__)
+    assert any("the same call continues" in note for note in caught.value.__notes__)

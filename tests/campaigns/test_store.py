@@ -88,7 +88,7 @@ def test_a_campaign_that_was_ended_goes_on(store):
     left = len(rows_in(store))
     assert 0 < left < 10
     assert caught.value.__notes__ == [
-        f"{store} has {left} of 20 runs: the same call goes on with the rest"
+        f"{store} has {left} of 20 runs: the same call continues with the others"
     ]
     goes_on = True
     assert run(store, metrics=[interrupt]).checksum == run(metrics=[interrupt]).checksum
@@ -208,7 +208,7 @@ def test_a_disk_that_fills_up_leaves_what_is_there(store):
         pytest.raises(OSError, match=r"store\.sqlite: .*(full|disk)") as caught,
     ):
         run(store, runs=500, keep="traces")
-    assert any("the same call goes on" in note for note in caught.value.__notes__)
+    assert any("the same call continues" in note for note in caught.value.__notes__)
     assert rows_in(store)
     assert run(store, runs=500).checksum == expected
 

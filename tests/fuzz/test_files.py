@@ -313,7 +313,7 @@ def test_folders_of_sessions(scratch, data):
 def check_store(path):
     """Go on with a campaign, and read it."""
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message=".* was begun with ")  # other versions
+        warnings.filterwarnings("ignore", message=".* was created with ")  # other versions
         attempt(campaign_in, path, also=(OSError,))
 
 

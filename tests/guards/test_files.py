@@ -11,7 +11,7 @@ from kept_files import EXPECTED, KINDS, digest
 VERSIONS = sorted((Path(__file__).parents[1] / "data").glob("[0-9]*"))
 
 
-@pytest.mark.filterwarnings("ignore:store .* was begun with numpy")  # with another one than here
+@pytest.mark.filterwarnings("ignore:store .* was created with numpy")  # with another one than here
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("version", VERSIONS, ids=lambda folder: folder.name)
 def test_a_file_of_an_earlier_version_is_read_as_it_was(version, kind, tmp_path):

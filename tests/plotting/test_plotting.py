@@ -542,7 +542,7 @@ def test_path_up_to_a_step():
     for step in (9, 60):
         with pytest.raises(ValueError, match=rf"^k must .*10..59.*{step}"):
             plot_frame(make_frame(), trace=trace, k=step)
-    with pytest.raises(ValueError, match="k needs a trace"):
+    with pytest.raises(ValueError, match="k requires a trace"):
         plot_frame(make_frame(), k=3)
 
 

@@ -343,7 +343,7 @@ def test_what_is_no_session_is_told(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"none\.mcap"):
         Session(tmp_path / "none")
     (tmp_path / "a.mcap").write_bytes(b"RIFF    AVI " + bytes(1000))
-    refused(tmp_path / "a", "no MCAP file")
+    refused(tmp_path / "a", "not an MCAP file")
     (tmp_path / "a.mcap").write_bytes(b"")
     refused(tmp_path / "a", "a.mcap")
     with pytest.raises(FileNotFoundError, match=r"setup\.toml"):

@@ -293,7 +293,7 @@ def test_a_session_can_be_read_while_it_is_written(tmp_path):
         sessions.add(writer, k)
         session = Session(tmp_path / "s")
         assert check_agreement(session) == session.count <= k + 1
-        assert "still going on" in session.problems[0]
+        assert "still continues" in session.problems[0]
         if k == 8:
             break
     writer.flush()

@@ -1,4 +1,4 @@
-"""The metrics of a campaign: what makes numbers of the trace of a run."""
+"""The metrics of a campaign, which compute numbers from the trace of a run."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def metrics_value(metrics: Any) -> dict[str, Metric]:
     for name, metric in named:
         if check_name("metrics", name) in found:
             raise ValueError(
-                f"metrics must have names of their own, got {quoted(name)} twice: give a mapping "
+                f"metrics must have different names, got {quoted(name)} twice: give a mapping "
                 "of name to function"
             )
         found[name] = _function_of(metric)
@@ -118,7 +118,7 @@ def _function_of(metric: Any) -> Metric:
     if isinstance(metric, str):
         if metric in SCORES:
             raise ValueError(
-                f"metrics: {metric} must be told what to score: functools.partial("
+                f"metrics: {metric} requires arguments: functools.partial("
                 f"robsim.control.{metric}, ...)"
             )
         what = "metrics must be functions of the trace, or known by name; there is no"
@@ -133,10 +133,10 @@ def _function_of(metric: Any) -> Metric:
 def numbers_of(
     metrics: Mapping[str, Metric], trace: Trace, taken: frozenset[str]
 ) -> tuple[dict[str, float], dict[str, BaseException]]:
-    """Return the numbers of all metrics by the names of their columns, and what others raised.
+    """Return the numbers of all metrics by the names of their columns, and others' errors.
 
     A metric of one number has a column of its name, others have ``NAME_KEY``. A metric that raises,
-    gives something else or a used column loses only its own numbers; `taken` columns are used.
+    returns another type or uses a `taken` column loses only its own numbers.
     """
     numbers: dict[str, float] = {}
     errors: dict[str, BaseException] = {}
@@ -144,7 +144,7 @@ def numbers_of(
         try:
             own = {column: _as_float(value) for column, value in _named(name, metric(trace))}
             if before := [column for column in own if column in numbers or column in taken]:
-                raise ValueError(f"there is a column {quoted(before[0])} before")
+                raise ValueError(f"duplicate column {quoted(before[0])}")
         except (Exception, SystemExit) as error:  # a metric that ends Python fails as others do
             errors[name] = error
         else:

@@ -1,4 +1,4 @@
-"""The store of a campaign: one SQLite file, in memory where no file is given."""
+"""The store of a campaign: one SQLite file, or memory without a file."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Store:
     Table ``cases`` has the labels of each case. Table ``runs`` has a row for each run, with a
     column for each number of a metric. Table ``campaign`` identifies the campaign. Table
     ``columns`` has the metrics' columns in their order. The view ``results`` joins cases and runs.
-    If traces are kept, table ``traces`` has them as bytes of the file that `Trace.save` writes.
+    Kept traces are in table ``traces``, as bytes of the file from `Trace.save`.
     """
 
     def __init__(self, path: str | PathLike[str] | None, spec: CampaignSpec) -> None:
@@ -91,7 +91,7 @@ class Store:
         self._synchronize()
 
     def _synchronize(self) -> None:
-        """Wait for the disk as often as a power failure asks for; with WAL that is seldom."""
+        """Flush to the disk as often as needed against a power failure; with WAL that is seldom."""
         mode = self._database.execute("PRAGMA journal_mode").fetchone()[0]
         level = "NORMAL" if mode == "wal" else "FULL"
         self._database.execute(f"PRAGMA synchronous = {level}")
@@ -123,13 +123,14 @@ class Store:
             self.spec = self.spec._with_seed(seed)
         if (other := difference(notes["description"], description_of(self.spec))) is not None:
             raise ValueError(
-                f"it has another campaign: {other}; give another file, or remove this one"
+                f"it has another campaign: {other}; use another file, or remove this one"
             )
         now, then = surroundings(), notes["surroundings"]
         if changed := [name for name in now if now[name] != then.get(name)]:
             name = changed[0]
             warn_user(
-                f"store {one_line(self.path)} was begun with {name} {quoted(then.get(name))}, here "
+                f"store {one_line(self.path)} was created with {name} {quoted(then.get(name))}, "
+                "here "
                 f"is {now[name]!r}: the last digits may differ"
             )
 
@@ -139,7 +140,7 @@ class Store:
         try:
             yield
         except BaseException:
-            with suppress(sqlite3.Error):  # a full disk has rolled back by itself
+            with suppress(sqlite3.Error):  # after a full disk, SQLite has rolled back already
                 self._database.execute("ROLLBACK")
             raise
         self._database.execute("COMMIT")
@@ -162,7 +163,7 @@ class Store:
             yield from ((case.index, run) for run in range(self.spec.runs) if run not in done)
 
     def add(self, rows: Sequence[Row]) -> None:
-        """Write rows, all or none; one that is there stays as it is."""
+        """Write rows, all or none; existing rows stay unchanged."""
         with _naming(self.path), self._transaction():
             columns = self._columns()  # another program may have added some
             for row in rows:
@@ -172,7 +173,7 @@ class Store:
             self._insert(rows, columns)
 
     def _columns(self) -> dict[str, str]:
-        """Return the columns of the metrics: name to that in SQL."""
+        """Return the columns of the metrics: name to SQL name."""
         found = self._database.execute("SELECT name, sql_name FROM columns ORDER BY position")
         columns = dict(found.fetchall())
         there = {name for _, name, *_ in self._database.execute("PRAGMA table_info(runs)")}
@@ -181,7 +182,7 @@ class Store:
             there.issuperset(columns.values())
             and all(f"{name}_".startswith(metrics) for name in columns)
         ):
-            raise ValueError("its runs have not the columns that it names")
+            raise ValueError("its runs lack columns that it names")
         return columns
 
     def _add_column(self, name: str, columns: Mapping[str, str]) -> str:
@@ -218,7 +219,7 @@ class Store:
         return {name: (numbers | ids | texts)[name] for name in (*ROW_COLUMNS, *metrics)}
 
     def _numbers(self, columns: Mapping[str, str], count: int) -> dict[str, NDArray[Any]]:
-        """Return the columns of so many rows by name, as floats; what is not known is NaN."""
+        """Return the columns of so many rows by name, as floats; NaN = not known."""
         cursor = self._select(columns.values())
         table = np.empty((count, len(columns)), order="F")
         begin = 0
@@ -228,7 +229,7 @@ class Store:
         return {name: table[:, i] for i, name in enumerate(columns)}
 
     def _texts(self, count: int) -> dict[str, NDArray[Any]]:
-        """Return the columns of texts, None in the rows of runs that did not fail."""
+        """Return the columns of texts, None in the rows of successful runs."""
         runs = self.spec.runs
         texts = {name: np.full(count, None, object) for name in _TEXTS}
         for case, run, *found in self._select(("case_id", "run", *_TEXTS), "error IS NOT NULL"):
@@ -244,7 +245,7 @@ class Store:
         )
 
     def close(self) -> None:
-        """Close the file; what WAL keeps beside it is brought in."""
+        """Close the file, and merge WAL's side file into it."""
         with _naming(self.path):
             self._database.close()
 
@@ -266,7 +267,7 @@ def trace_in_store(path: Path, description: Mapping[str, Any], case: int, run: i
 
 @contextmanager
 def _naming(path: Path | None) -> Iterator[None]:
-    """Let an error of SQLite, or of a content that robsim has not written, name the file."""
+    """Add the file's name to an error of SQLite, or of content not written by robsim."""
     where = "store in memory" if path is None else f"store {one_line(path)}"
     try:
         yield
@@ -278,13 +279,13 @@ def _naming(path: Path | None) -> Iterator[None]:
 
 
 def _connection(file: Path | str) -> sqlite3.Connection:
-    """Return a connection to a file that may come from anybody."""
+    """Return a connection to a file from an untrusted source."""
     names = set() if file == ":memory:" else {os.path.abspath(file), os.path.realpath(file)}
     for name in names:
         with suppress(FileNotFoundError), open_file(Path(f"{name}-journal")) as journal:
             journal.seek(max(0, journal.seek(0, os.SEEK_END) - len(_SUPER_JOURNAL)))
             if journal.read() == _SUPER_JOURNAL:  # SQLite would delete the other file
-                raise ValueError(f"robsim has not made {one_line(journal.name)}: move it away")
+                raise ValueError(f"robsim did not write {one_line(journal.name)}: move it away")
     database = sqlite3.connect(file, timeout=_PATIENCE, isolation_level=None)
     database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MOST_VALUE)
     database.execute("PRAGMA trusted_schema = OFF")
@@ -296,7 +297,7 @@ def _is_empty(database: sqlite3.Connection) -> bool:
 
 
 def _is_store(database: sqlite3.Connection) -> bool:
-    """Whether a file is a store of a campaign, with what robsim has made and nothing else."""
+    """Whether a file is a store of a campaign, with only the content that robsim writes."""
     if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION:
         return False
     return all(
@@ -309,16 +310,18 @@ def _check_is_store(database: sqlite3.Connection) -> None:
     """Raise ValueError for a file of another program, or of another version."""
     if not _is_store(database):
         raise ValueError(
-            "it is no store of a campaign, or has tables, indexes, views or triggers that robsim "
-            "has not made: give another file"
+            "it is no store of a campaign, or has tables, indexes, views or triggers not made by "
+            "robsim: use another file"
         )
     number = _notes(database)["format"]
     if number != _FORMAT:
-        raise ValueError(f"it has format {quoted(number)}, this version of robsim reads {_FORMAT}")
+        raise ValueError(
+            f"it has format {quoted(number)}, but this version of robsim reads {_FORMAT}"
+        )
 
 
 def _check_is_whole(database: sqlite3.Connection) -> None:
-    """Raise ValueError if pages of the tables are damaged; a trace is checked when it is read."""
+    """Raise ValueError if pages of the tables are damaged; a trace is checked on reading."""
     for table in ("campaign", "cases", "columns", "runs"):  # whose content is read at opening
         problem = database.execute(f"PRAGMA quick_check({table})").fetchone()[0]
         if problem != "ok":
@@ -326,7 +329,7 @@ def _check_is_whole(database: sqlite3.Connection) -> None:
 
 
 def _notes(database: sqlite3.Connection) -> dict[str, Any]:
-    """Return the notes of a store on its campaign; ValueError: robsim has not written them."""
+    """Return the notes of a store on its campaign; ValueError: not written by robsim."""
     notes = {}
     for key, kind in _NOTES.items():
         found = database.execute("SELECT value FROM campaign WHERE key = ?", (key,)).fetchone()

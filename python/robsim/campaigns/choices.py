@@ -1,4 +1,4 @@
-"""What an option of a campaign can be: a value, a callback or what makes one, a folder."""
+"""The possible values of a campaign's option: a value, a callback or its factory, a folder."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Data:
 
 @dataclass(frozen=True)
 class Callback:
-    """A callback without memory, which serves all runs, or a native component."""
+    """A callback without memory, shared by all runs, or a native component."""
 
     slot: str
     function: Any
@@ -48,7 +48,7 @@ class Callback:
 
 @dataclass(frozen=True)
 class Factory:
-    """What makes a fresh callback for each run."""
+    """A factory of a fresh callback for each run."""
 
     slot: str
     make: Callable[[], Any]
@@ -56,7 +56,7 @@ class Factory:
 
 @dataclass(frozen=True)
 class Folder:
-    """A folder of callbacks, with the files as they were when the campaign was made."""
+    """A folder of callbacks, with its files at the creation of the campaign."""
 
     path: str
     absolute: str
@@ -66,7 +66,7 @@ class Folder:
 
     @classmethod
     def read(cls, path: str | PathLike[str], slots: tuple[str, ...]) -> Folder:
-        """Read the files for some slots; raise what `Simulation.from_folder` raises."""
+        """Read the files for some slots; raise the exceptions of `Simulation.from_folder`."""
         folder = CallbackFolder(path, slots)
         folder.load()
         absolute = str(Path(path).absolute())
@@ -74,7 +74,7 @@ class Folder:
 
     @contextmanager
     def callbacks(self) -> Iterator[dict[str, Any]]:
-        """Give callbacks with modules of their own, which import each other in the context."""
+        """Give callbacks with separate modules, which import each other in the context."""
         folder, callbacks = CallbackFolder.of_sources(
             Path(self.path), Path(self.absolute), self.sources, self.slots
         )
@@ -83,7 +83,7 @@ class Folder:
 
 
 class WholeRun(ABC):
-    """What does runs by itself, in another way than a simulation here: a value of `FOLDER`."""
+    """An external way to do runs, without a simulation here: a value of `FOLDER`."""
 
     @abstractmethod
     def trace(
@@ -94,7 +94,7 @@ class WholeRun(ABC):
     @property
     @abstractmethod
     def content(self) -> bytes:
-        """What the runs depend on, beside scenario, steps and seed."""
+        """The content that the runs depend on, in addition to scenario, steps and seed."""
 
 
 Choice = Data | Callback | Factory | Folder | WholeRun
@@ -131,9 +131,7 @@ def _choices(name: str, values: Any) -> dict[Label, Choice]:
     choices: dict[Label, Choice] = {}
     for label, value in labelled:
         if str(label) in map(str, choices):
-            raise ValueError(
-                f"vary: {name} must have labels of their own, got {quoted(label)} twice"
-            )
+            raise ValueError(f"vary: {name} must have different labels, got {quoted(label)} twice")
         choices[label] = choice_of(name, value)
     return choices
 
@@ -152,7 +150,7 @@ def _label(name: str, label: Any) -> Label:
 
 
 def _label_of(name: str, value: Any) -> Label:
-    """Return the label of a value without one: what is a number stays one."""
+    """Return the label of a value without one: numbers stay numbers."""
     if isinstance(value, PathLike) or (isinstance(value, str) and name in (*SLOTS, FOLDER)):
         value = Path(value).name
     if isinstance(value, (str, float)) or is_int(value):
@@ -174,7 +172,7 @@ def _label_of(name: str, value: Any) -> Label:
 
 
 def choice_of(name: str, value: Any, argument: str = "vary: ") -> Choice:
-    """Return a value of an option as a choice; messages begin with the argument that has it."""
+    """Return a value of an option as a choice; messages begin with its argument."""
     if isinstance(value, (Data, Callback, Factory, Folder, WholeRun)):
         return value
     if name == FOLDER:
@@ -198,7 +196,7 @@ def choice_of(name: str, value: Any, argument: str = "vary: ") -> Choice:
 
 
 def _code(slot: str, value: Any, argument: str) -> Factory | Callback:
-    """Return a callable for a slot of each step: what makes the callback, or the callback."""
+    """Return a callable for a slot of each step: the callback, or its factory."""
     is_plain = isroutine(value) or isclass(value) or isinstance(value, functools.partial)
     if accepts(value, 0) and is_plain:
         check_callback(slot, value())
@@ -207,7 +205,7 @@ def _code(slot: str, value: Any, argument: str) -> Factory | Callback:
         what = "the class" if isclass(value) else "an object that may remember its run:"
         raise TypeError(
             f"{argument}{slot} must be a function without arguments that makes the callback of a "
-            f"run, or a plain function, got {what} {quoted(value)}: give such as lambda: ..."
+            f"run, or a plain function, got {what} {quoted(value)}; for example use lambda: ..."
         )
     check_callback(slot, value)
     return Callback(slot, value)

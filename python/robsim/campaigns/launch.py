@@ -45,45 +45,44 @@ def campaign(
     Parameters
     ----------
     scenario : Scenario, optional
-        What the runs have in common. Default: ``Scenario()``.
+        The common options of the runs. Default: ``Scenario()``.
     vary : mapping of str to values, optional
-        Options of `Simulation`, and the values that they take: a list, or a mapping of label to
-        value. The cases are all combinations; see Notes for slots. Default: one case.
+        Options of `Simulation`, and their values: a list, or a mapping of label to value. The cases
+        are all combinations; see Notes for slots. Default: one case.
     metrics : names or functions of the trace
-        What to compute of each run, one or several: names, functions, or a mapping of name to
-        either. A function returns a number, a dict of numbers, or a `Report`, whose numbers are
-        taken. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
-        (those of the estimate; heading in rad), ``"parameters"`` (the last online estimate),
-        ``"batch"``. Scores need to be told of what, such as
-        ``functools.partial(robsim.score_path, waypoints=square)``, or `robsim.control.score_pose`.
+        Numbers to compute from each run, one or several: names, functions, or a mapping of name to
+        either. A function returns a number, a dict of numbers, or a `Report`, which gives its
+        numbers. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
+        (both of the estimate; heading in rad), ``"parameters"`` (the last online estimate),
+        ``"batch"``. Scores require arguments, such as
     runs : int
         Number of runs of each case.
     steps : int
         Number of steps of each run.
     seed : int, SeedSequence or Generator, optional
-        What the seeds of the runs come from. Run i has the same seed in every case, whatever the
-        number of runs is: ``SeedSequence(seed, spawn_key=(i,))``. Default: that of the scenario,
-        else that of the store, else an unpredictable one.
+        Source of the runs' seeds. Run i has the same seed in every case, for any number of runs:
+        ``SeedSequence(seed, spawn_key=(i,))``. Default: the scenario's seed, else the store's, else
+        an unpredictable one.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
-        What runs: so many processes, as many threads as there are processors, an executor, which is
-        used as it is, such as loky's or that of mpi4py, or a Dask ``Client``, and so whatever
-        cluster that has: its workers must have robsim, and the modules of your code. Default: this
-        thread. The numbers are the same.
+        The engine: a number of processes, as many threads as processors, an executor, or a Dask
+        ``Client``. An executor is used unchanged, such as loky's or mpi4py's. A client may have any
+        cluster whose workers have robsim and the modules of your code. Default: this thread. The
+        numbers are the same.
     store : path, optional
-        SQLite file that keeps the rows. What is there already is not run again: the same call goes
-        on where one was ended, and one with more `runs` adds to them. Default: in memory.
+        SQLite file that keeps the rows. Existing rows are not run again: the same call continues an
+        interrupted campaign, and a call with more `runs` adds rows. Default: in memory.
     time_limit : float, optional
-        Maximum duration of a call of a callback (s); a run that exceeds it fails. It is by the
-        clock: on a busy machine a tight limit makes runs fail by chance.
+        Maximum duration of a call of a callback (s); a run that exceeds it fails. Wall-clock time
+        counts: on a busy machine a tight limit makes runs fail by chance.
     keep : str
-        What the store keeps of each run: ``"numbers"``, or its trace, too: ``"traces"``, which
-        `trace` of the result then reads. One of 100 steps with measurements takes some 35 kB.
-        Runs that are there already stay as they are.
+        Content of the store for each run: ``"numbers"``, or its trace, too: ``"traces"``, for
+        `trace` of the result. A trace of 100 steps with measurements takes some 35 kB. Existing
+        rows stay unchanged.
     progress : bool
-        Show a progress bar in a terminal or a notebook: rate, runs that failed, time left.
+        Show a progress bar in a terminal or a notebook: rate, failed runs, time left.
     on_error : str
-        ``"record"``: a run that raises an exception, or a metric of it, is a row with the error
-        and its line; the numbers of its other metrics are kept.
+        ``"record"``: an exception in a run, or in a metric, gives a row with the error and its
+        line; the numbers of the other metrics are kept.
         ``"raise"``: the exception is raised.
 
     Returns
@@ -94,34 +93,35 @@ def campaign(
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range, if code cannot be sent to other
-        processes, or if the store has another campaign, or is damaged.
+        If an argument has the wrong type or is out of range, or if code cannot be sent to other
+        processes. If the store has another campaign, or is damaged.
     OSError
-        If the store cannot be read or written; what was committed to it before is intact.
+        If the store cannot be read or written; previously committed rows are intact.
 
     Notes
     -----
-    A value of a slot (``estimate_state``, ``control`` and so on) is, as for `Simulation`, a native
-    component, True or None; or code, as there is:
+    A value of a slot (``estimate_state``, ``control`` and so on) is a native component, True or
+    None, as for `Simulation`, or code:
 
-    - a class, or a function without arguments, that makes the callback of a run: for what has a
-      memory, such as a filter; ``functools.partial(MyFilter, q=2)`` gives it arguments;
-    - a plain function that is the callback, such as ``control(step)``, and remembers nothing;
-    - the path of a folder whose file for the slot is used, loaded anew for each run. The option
-      ``"folder"`` has folders that fill all slots they have files for.
+    - a class, or a function without arguments, that makes the callback of a run: for callbacks with
+      memory, such as a filter; ``functools.partial(MyFilter, q=2)`` adds arguments;
+    - a plain function that is the callback, such as ``control(step)``, without memory;
+    - the path of a folder whose file for the slot is used, loaded again for each run. The option
+      ``"folder"`` has folders that fill all slots with a file.
 
-    For other processes code must have a name in a module: neither a lambda nor a function inside
-    another one. A program that is a file must call this below ``if __name__ == "__main__":``. With
-    threads, runs without callbacks in Python go on at the same time, others take turns.
+    For other processes code must have a name in a module: neither a lambda nor a nested function. A
+    program in a file must call this below ``if __name__ == "__main__":``. With threads, runs
+    without callbacks in Python run in parallel, others take turns.
 
-    A process that dies is replaced, and its runs are done again; a run whose process dies whenever
-    it is tried is recorded as failed. So it is with a Dask client, whose workers are started again
-    by their nannies; another executor stays broken, and the same call goes on with a new one. In
-    processes of their own, and here, a callback that sleeps is ended by `time_limit`; one that
-    never returns from compiled code is not.
+    A dead process is replaced, and its runs are repeated; a run that ends its process at each
+    attempt is recorded as failed. The same holds for a Dask client, whose nannies restart the
+    workers. Another executor stays broken, and the same call with a new executor continues. In
+    separate processes, and here, `time_limit` ends a sleeping callback, but not a callback stuck in
+    compiled code.
 
     A store is for one campaign: other steps, seeds, options, metrics or code are refused. Code is
-    told by its own text, not by what it calls. Its view ``results`` has a row for each run.
+    identified by its own text, not by the code it calls. Its view ``results`` has a row for each
+    run.
 
     Examples
     --------
@@ -160,14 +160,14 @@ def run_spec(
     on_error: str = "record",
     known: Sequence[Row] = (),
 ) -> CampaignResult:
-    """Do the runs of a specification, but for `known` rows; other arguments: see `campaign`."""
+    """Do the runs of a specification, except `known` rows; other arguments: see `campaign`."""
     engine = engine_value(executor)
     end_copy()
     check_bool("progress", progress)
     check_choice("on_error", on_error, ("record", "raise"))
     file = None if store is None else as_path(store, "store")
     if file is None and spec.keep == "traces":
-        raise ValueError("keep='traces' must have a file to keep them in: give store, too")
+        raise ValueError("keep='traces' needs a file for the traces: give store, too")
     with closing(Store(file, spec)) as rows:
         rows.add(known)
         _run(rows.spec, engine, rows, shows=progress, stops=on_error == "raise")
@@ -175,7 +175,7 @@ def run_spec(
 
 
 def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops: bool) -> None:
-    """Do the runs that the store does not have."""
+    """Do the runs missing in the store."""
     total, done = len(spec.cases) * spec.runs, store.count()
     bar = progress_bar(total=total, initial=done, unit="run") if shows else None
     failed = 0
@@ -205,7 +205,7 @@ def _run(spec: CampaignSpec, engine: Engine, store: Store, *, shows: bool, stops
 
 
 def _raise(spec: CampaignSpec, row: Row) -> NoReturn:
-    """Raise the error of a run, by doing it again here."""
+    """Raise the error of a run by repeating it here."""
     case = spec.cases[row.case]
     where = f"in run {row.run} of the case {case}"
     if row.error == DIED:  # as this one would
@@ -215,13 +215,13 @@ def _raise(spec: CampaignSpec, row: Row) -> NoReturn:
     except Exception as error:
         error.add_note(where)
         raise
-    raise RuntimeError(f"{where}: {row.error}; done again, the run did not fail")
+    raise RuntimeError(f"{where}: {row.error}; repeated, the run did not fail")
 
 
 def _how_to_go_on(store: Store, total: int) -> str:
     if store.path is None:
-        return "the runs done by now are lost: with store=FILE the same call goes on with the rest"
+        return "the finished runs are lost: with store=FILE the same call continues"
     return (
-        f"{one_line(store.path)} has {store.count()} of {total} runs: the same call goes on "
-        "with the rest"
+        f"{one_line(store.path)} has {store.count()} of {total} runs: the same call continues "
+        "with the others"
     )

@@ -1,4 +1,4 @@
-"""`CampaignResult`: the rows of a campaign, and what can be asked of them."""
+"""`CampaignResult`: the rows of a campaign, and their evaluation."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from robsim.trace import Trace
 if TYPE_CHECKING:
     import pandas
 Columns = Mapping[str, NDArray[Any]]
-_TEXTS = ("error", "line")  # None where there is none
+_TEXTS = ("error", "line")  # None without an error
 
 
 def write_parquet(path: str | PathLike[str], columns: Columns) -> None:
-    """Write columns as one Parquet file; what is not known is null."""
+    """Write columns as one Parquet file; unknown values are null."""
     file = as_path(path)
     arrow, parquet = import_arrow()
     table = arrow.table(
@@ -47,7 +47,7 @@ def write_parquet(path: str | PathLike[str], columns: Columns) -> None:
 
 
 def check_exports(*, parquet: bool, npz: Path | None) -> None:
-    """Raise what cannot be written, before what takes long."""
+    """Raise the errors of unwritable files before the long work."""
     if parquet:
         import_arrow()
     if npz is not None:
@@ -61,17 +61,17 @@ def import_arrow() -> tuple[Any, Any]:
 
 
 def check_is_empty(folder: str | PathLike[str]) -> Path:
-    """Return a folder that is to be made, or is empty; else raise an OSError."""
+    """Return a new or empty folder; else raise an OSError."""
     path = as_path(folder, "folder")
     if path.exists() and not path.is_dir():
-        raise NotADirectoryError(f"{one_line(path)} is a file, not a folder: give another name")
+        raise NotADirectoryError(f"{one_line(path)} is a file, not a folder: use another name")
     if path.is_dir() and any(path.iterdir()):
-        raise FileExistsError(f"{one_line(path)} is not empty: give the name of a new folder")
+        raise FileExistsError(f"{one_line(path)} is not empty: use the name of a new folder")
     return path
 
 
 def write_npz(folder: str | PathLike[str], columns: Columns, options: tuple[str, ...]) -> None:
-    """Write a file for each case into a new folder: all, or none."""
+    """Write a file for each case into a new folder: all files, or none."""
     path = check_is_empty(folder)
     is_new = not path.exists()
     path.mkdir(parents=True, exist_ok=True)
@@ -117,12 +117,12 @@ class CampaignResult(Report):
     Attributes
     ----------
     spec : CampaignSpec
-        What the numbers are of.
+        The specification of the campaign.
     columns : dict of str to array
         All columns by name: ``case_id``, ``run``, the options (their labels), the numbers of the
-        metrics, ``error`` and ``line`` (None for a run that did not fail), ``seconds``.
+        metrics, ``error`` and ``line`` (None for a successful run), ``seconds``.
     store : Path or None
-        The file that has the rows; None = in memory.
+        The file with the rows; None = in memory.
 
     Examples
     --------
@@ -140,12 +140,12 @@ class CampaignResult(Report):
 
     @cached_property
     def metrics(self) -> tuple[str, ...]:
-        """Names of the columns that have the numbers of the metrics."""
+        """Names of the columns with the metrics' numbers."""
         return tuple(name for name in self.columns if name not in self.spec._taken)
 
     @cached_property
     def failed(self) -> NDArray[np.bool_]:
-        """The rows of runs that failed."""
+        """The rows of failed runs."""
         return np.array([error is not None for error in self.columns["error"]], bool)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -157,9 +157,9 @@ class CampaignResult(Report):
 
     @property
     def checksum(self) -> str:
-        """SHA-256 of all numbers with the names of their columns; the same for the same numbers.
+        """SHA-256 of all numbers with the names of their columns; the same for equal numbers.
 
-        Times and texts of errors are no part of it; a run that failed is.
+        It excludes times and texts of errors, and includes failed runs.
         """
         content = hashlib.sha256(self.failed.tobytes())
         for name in sorted(self.metrics):
@@ -170,13 +170,13 @@ class CampaignResult(Report):
 
     @property
     def title(self) -> str:
-        """How many runs of what."""
+        """The numbers of cases, runs and steps."""
         cases, spec = len(self.spec.cases), self.spec
         return f"Campaign of {cases} x {spec.runs} runs of {spec.steps} steps"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Runs, those that failed, the time they took."""
+        """Numbers of runs and failed runs, and their time."""
         failed = int(self.failed.sum())
         return (
             Quantity("cases", "cases", len(self.spec.cases)),
@@ -187,23 +187,23 @@ class CampaignResult(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The means of the first metrics, if there are not many cases."""
+        """The means of the first metrics, for a small number of cases."""
         if len(self.spec.cases) > _MOST_CASES:
             return ()
         return self.summary().tables[:_MOST_METRICS]
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is not shown, and the first error."""
+        """The omissions, and the first error."""
         is_all = len(self.spec.cases) <= _MOST_CASES and len(self.metrics) <= _MOST_METRICS
         more = () if is_all else ("summary() has the means of all metrics and cases",)
         if not self.failed.any():
             return more
-        return *more, f"the first run that failed: {self._first_error}"
+        return *more, f"the first failed run: {self._first_error}"
 
     @property
     def _first_error(self) -> str:
-        """The error of the first run that failed, with its place; empty if none did."""
+        """The error of the first failed run, with its place; empty without failures."""
         if not self.failed.any():
             return ""
         row = int(np.argmax(self.failed))
@@ -225,8 +225,8 @@ class CampaignResult(Report):
         Parameters
         ----------
         by : str or iterable of str, optional
-            The options whose values are compared; over the others is averaged. Default: all that
-            have more than one value.
+            The options to compare; all others are averaged. Default: all options with more than one
+            value.
         metrics : str or iterable of str, optional
             Columns, as in `metrics`. Default: all.
         level : float
@@ -235,13 +235,14 @@ class CampaignResult(Report):
         Returns
         -------
         CampaignSummary
-            For each metric the mean of each group with its interval; the difference to the first
-            group, run by run, with its interval, and how many runs more decide whether it is one.
+            For each metric the mean of each group with its interval. Also the difference to the
+            first group, run by run, with its interval, and the number of further runs that would
+            decide it.
 
         Raises
         ------
         TypeError, ValueError
-            If there is no such option or metric, or `level` is out of range.
+            If an option or metric is unknown, or `level` is out of range.
         """
         options = self.spec.vary
         several = tuple(name for name, choices in options.items() if len(choices) > 1)
@@ -271,7 +272,7 @@ class CampaignResult(Report):
         return np.stack([self.columns[name].reshape(shape) for name in metrics], axis=-1)
 
     def trace(self, case: int | Mapping[str, Any], run: int) -> Trace:
-        """Return the trace of a run: that in the store, else the run is done again.
+        """Return the trace of a run from the store, or else repeat the run.
 
         Parameters
         ----------
@@ -284,16 +285,16 @@ class CampaignResult(Report):
         Returns
         -------
         Trace
-            That of the campaign, unless a callback depends on more than the run.
+            The campaign's trace, unless a callback depends on more than the run.
 
         Raises
         ------
         TypeError, ValueError
-            If there is no such case or run.
+            If the case or run does not exist.
         OSError
             If the store cannot be read.
         Exception
-            What the run raised, if it failed.
+            The run's exception, if it failed.
         """
         chosen = self._case(case)
         check_int("run", run, minimum=0, maximum=self.spec.runs - 1)
@@ -318,7 +319,7 @@ class CampaignResult(Report):
         fitting = [one for one in cases if all(one.labels.get(name) == case[name] for name in case)]
         if len(fitting) != 1:
             raise ValueError(
-                f"case must be that of one of {len(cases)} cases, got {quoted(dict(case))}, which "
+                f"case must fit one of {len(cases)} cases, got {quoted(dict(case))}, which "
                 f"fits {len(fitting)}"
             )
         return fitting[0]
@@ -336,9 +337,9 @@ class CampaignResult(Report):
         return frame
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write the rows as CSV; what is not known stays empty.
+        """Write the rows as CSV; unknown values stay empty.
 
-        A text that a spreadsheet would take for a formula gets a ' before it.
+        A text that a spreadsheet would take for a formula gets a leading '.
 
         Parameters
         ----------
@@ -348,13 +349,13 @@ class CampaignResult(Report):
         Raises
         ------
         OSError
-            If it cannot be written; an old file of that name is unchanged then.
+            If the file cannot be written; an old file of that name then stays unchanged.
         """
         columns = {name: values.tolist() for name, values in self.columns.items()}
         write_csv(as_path(path), columns)
 
     def to_parquet(self, path: str | PathLike[str]) -> None:
-        """Write the rows as a Parquet file; what is not known is null.
+        """Write the rows as a Parquet file; unknown values are null.
 
         Parameters
         ----------
@@ -366,7 +367,7 @@ class CampaignResult(Report):
         ImportError
             If pyarrow is not installed.
         OSError
-            If it cannot be written; an old file of that name is unchanged then.
+            If the file cannot be written; an old file of that name then stays unchanged.
         """
         write_parquet(path, self.columns)
 
@@ -374,19 +375,19 @@ class CampaignResult(Report):
         """Write a file for each case into a folder: ``case_000.npz`` and so on.
 
         ``numpy.load`` reads them, without pickle. A file has an array for each of `columns`: with a
-        number for each run, and one label for each option. Texts of runs that did not fail are "".
+        number for each run, and one label for each option. Texts of successful runs are "".
 
         Parameters
         ----------
         folder : path
-            The folder; it is made, or is empty.
+            The folder, new or empty.
 
         Raises
         ------
         FileExistsError, NotADirectoryError
-            If there is something in it, or it is a file.
+            If the folder is not empty, or is a file.
         OSError
-            If they cannot be written; nothing is left of them then.
+            If the files cannot be written; then no file is left.
         """
         write_npz(folder, self.columns, tuple(self.spec.vary))
 
@@ -407,13 +408,13 @@ def _names(argument: str, given: Any, known: Collection[str]) -> tuple[str, ...]
 def result_of(
     spec: CampaignSpec, stored: Mapping[str, NDArray[Any]], file: Path | None
 ) -> CampaignResult:
-    """Return the result of columns as a store, or a file of one, has them."""
+    """Return the result from the columns of a store or of its file."""
     labels = [_labels(list(choices)) for choices in spec.vary.values()]
     places = np.unravel_index(stored["case_id"], [len(one) for one in labels]) if labels else ()
     options = {
         name: known[place] for name, known, place in zip(spec.vary, labels, places, strict=True)
     }
-    # In the order of the metrics, whatever came first.
+    # In the order of the metrics, not of the first rows.
     order = list(spec.metrics)
     numbers = sorted(
         (name for name in stored if name not in ROW_COLUMNS), key=lambda name: _place(name, order)
@@ -426,12 +427,12 @@ def result_of(
 
 
 def _labels(labels: list[Any]) -> NDArray[Any]:
-    """Return labels as numbers, if all are, else as texts."""
+    """Return labels as numbers, if all are numbers, else as texts."""
     are_numbers = not any(isinstance(label, str) for label in labels)
     return np.array(labels if are_numbers else list(map(str, labels)))
 
 
 def _place(column: str, metrics: list[str]) -> int:
-    """Return which metric a column is of: that of the longest name that it begins with."""
+    """Return the metric of a column: the longest name that starts the column's."""
     fitting = [name for name in metrics if column == name or column.startswith(f"{name}_")]
     return metrics.index(max(fitting, key=len))

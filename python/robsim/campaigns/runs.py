@@ -1,4 +1,4 @@
-"""The runs of a campaign, one after the other: what a worker does, in whatever engine."""
+"""The runs of a campaign, one after the other, as done by a worker in any engine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Job = tuple[int, int]
 
 
 class Row(NamedTuple):
-    """What is kept of a run; of one that failed the error, and the numbers of other metrics."""
+    """The row of a run; for a failed run the error, and the numbers of other metrics."""
 
     case: int
     run: int
@@ -44,7 +44,7 @@ class CaseRuns:
             one.slot: one.function for one in choices.values() if isinstance(one, Callback)
         }
         self._factories = [one for one in choices.values() if isinstance(one, Factory)]
-        # A slot of its own overrides a whole folder.
+        # An option for a slot overrides a whole folder.
         folders = [one for one in choices.values() if isinstance(one, Folder)]
         self._folders = sorted(folders, key=lambda folder: -len(folder.slots))
         self._whole = next((one for one in choices.values() if isinstance(one, WholeRun)), None)
@@ -93,7 +93,7 @@ class CaseRuns:
         return numbers_of(self._spec._functions, trace, self._spec._taken)
 
     def row(self, run: int) -> Row:
-        """Run, and return the numbers, and the error if there is one."""
+        """Run, and return the numbers, and the error if any."""
         begin = time.perf_counter()
         numbers: dict[str, float] = {}
         packed, text, line = None, None, None
@@ -112,7 +112,7 @@ class CaseRuns:
 
 
 class Worker:
-    """Runs of any cases; the simulation of the last case is kept, or those that share frames."""
+    """Runs of any cases; it keeps the last case's simulation, or those that share frames."""
 
     def __init__(self, spec: CampaignSpec) -> None:
         self._spec = spec

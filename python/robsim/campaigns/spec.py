@@ -1,4 +1,4 @@
-"""`CampaignSpec`: all that says what the numbers of a campaign are, as one value."""
+"""`CampaignSpec`: the complete specification of a campaign's numbers, as one value."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ ROW_COLUMNS = ("case_id", "run", "error", "line", "seconds")
 
 @dataclass(frozen=True)
 class Case:
-    """One of the combinations of options.
+    """A combination of options.
 
     Attributes
     ----------
     index : int
-        Its place in the product of the options, the last of which changes first.
+        Its place in the product of the options, in which the last option changes first.
     labels : dict
         Option to the label of its value.
     """
@@ -61,12 +61,12 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignSpec:
-    """All that says what the numbers of a campaign are.
+    """The complete specification of a campaign's numbers.
 
     Attributes
     ----------
     scenario : Scenario
-        What the runs have in common; its seed is not used.
+        The common options of the runs; its seed is not used.
     vary : dict
         Option to its choices by label; the cases are their product.
     metrics : dict
@@ -74,14 +74,14 @@ class CampaignSpec:
     runs, steps : int
         Runs of each case; steps of each run.
     seed : int or SeedRecord
-        What the seeds of the runs come from, see `seed_of`.
+        Source of the runs' seeds, see `seed_of`.
     time_limit : float or None
-        Maximum duration of a call of a callback (s), by the clock: on a busy machine calls take
-        longer, so that a tight limit makes runs fail by chance.
+        Maximum duration of a call of a callback (s), in wall-clock time: on a busy machine calls
+        take longer, so that a tight limit makes runs fail by chance.
     keep : str
-        What is kept of each run: ``"numbers"``, or its trace, too: ``"traces"``.
+        Content of the store for each run: ``"numbers"``, or its trace, too: ``"traces"``.
     given : str
-        What callbacks may look at: ``"all"``, or no more than where they are graded, ``"frames"``,
+        Data available to callbacks: ``"all"``, or only the data during grading, ``"frames"``,
         ``"blobs"``, ``"pose"``.
 
     Examples
@@ -128,11 +128,11 @@ class CampaignSpec:
         if self.steps < 1:
             raise ValueError("steps must be at least 1, got 0")
         for case in self.cases:
-            self._scenario_of(case)  # which says what does not fit together
+            self._scenario_of(case)  # raises for options that do not fit together
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:
-        """The product of the options, the last of which changes first."""
+        """The product of the options, in which the last option changes first."""
         products = itertools.product(*self.vary.values())
         return tuple(
             Case(index, dict(zip(self.vary, labels, strict=True)))
@@ -146,7 +146,7 @@ class CampaignSpec:
 
     @cached_property
     def _shares_frames(self) -> bool:
-        """Whether cases differ in code alone that changes no frame, so that all see the same."""
+        """Whether cases differ only in code without effect on frames, which they then share."""
         assert self.scenario is not None
         if self.scenario.camera_delay or len(self.cases) == 1:
             return False
@@ -165,7 +165,7 @@ class CampaignSpec:
             raise
 
     def seed_of(self, run: int) -> np.random.SeedSequence:
-        """Return the seed of a run: the same in every case, whatever the number of runs is.
+        """Return the seed of a run: the same in every case, for any number of runs.
 
         Parameters
         ----------
@@ -175,7 +175,7 @@ class CampaignSpec:
         Returns
         -------
         SeedSequence
-            ``SeedSequence(entropy, spawn_key=(*spawn_key, run))``, those of `seed`.
+            ``SeedSequence(entropy, spawn_key=(*spawn_key, run))``, with the values of `seed`.
         """
         root = seed_sequence(self.seed)
         check_int("run", run, minimum=0, maximum=_MOST_RUNS - 1)
@@ -206,9 +206,9 @@ def _only_looks(choice: Choice) -> bool:
 
 
 def description_of(spec: CampaignSpec) -> dict[str, Any]:
-    """Return what the numbers of a campaign depend on, but for the number of runs, as plain data.
+    """Return the data that the numbers of a campaign depend on, without the number of runs.
 
-    Code is told by its name and its text. What it calls elsewhere does not show.
+    Code is identified by its name and its text, but not by the code it calls.
     """
     given = {} if spec.given == "all" else {"given": spec.given}  # which older stores do not note
     return given | {
@@ -223,22 +223,22 @@ def description_of(spec: CampaignSpec) -> dict[str, Any]:
 
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
-    """Return in words what is not the same in two descriptions, None if all is."""
+    """Return in words the first difference of two descriptions, None for equal ones."""
     for key, value in here.items():
         other = there.get(key)
         if other == value:
             continue
         if key == "scenarios":
-            return "the scenario, or a value in vary, is another one there"
+            return "the scenario, or a value in vary, differs there"
         if key in ("code", "metrics") and isinstance(other, Mapping):
             names = [name for name in (*value, *other) if value.get(name) != other.get(name)]
-            return f"{names[0]} is not the same {'code' if key == 'code' else 'metric'} there"
+            return f"{names[0]} is different {'code' if key == 'code' else 'metric'} there"
         return f"{key} is {quoted(other)} there, {quoted(value)} here"
     return None
 
 
 def surroundings() -> dict[str, str]:
-    """Return versions and machine: in others the last digits of linear algebra may differ."""
+    """Return versions and machine: the last digits of linear algebra may depend on them."""
     return {
         "robsim": version("robsim"),
         "numpy": np.__version__,
@@ -270,7 +270,7 @@ def _code(spec: CampaignSpec) -> Iterator[tuple[str, str]]:
 
 
 def _told(code: Any) -> str:
-    """Return what tells a callable from another: its name, a digest of its text and arguments."""
+    """Return the identity of a callable: its name, a digest of its text and arguments."""
     if isinstance(code, functools.partial):
         named = sorted(code.keywords.items())
         return f"{_told(code.func)}({_digest(_whole((code.args, named)))})"
@@ -283,7 +283,7 @@ def _told(code: Any) -> str:
 
 
 def _whole(value: Any) -> str:
-    """Return what a value is, without what is cut in a message, or differs from start to start."""
+    """Return a value's full text, without parts that differ from start to start."""
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
         return re.sub(r" at 0x[0-9a-fA-F]+", "", repr(value))
 

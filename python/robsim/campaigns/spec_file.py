@@ -29,8 +29,8 @@ _NONE = "none"  # TOML has no None
 def load_spec(path: str | PathLike[str], *, runs: int | None = None) -> CampaignSpec:
     """Read a campaign from a TOML file (see `EXAMPLE`); paths in it are relative to its folder.
 
-    Functions and folders that it names are Python code, and run. `runs` replaces its number of
-    runs. ValueError: it is not TOML, or something in it is missing, unknown or wrong.
+    Functions and folders named in it are Python code, and run. `runs` replaces its number of runs.
+    ValueError: the file is not TOML, or something in it is missing, unknown or wrong.
     """
     given = {} if runs is None else {"runs": runs}
     table = _table(as_path(path).absolute().parent)
@@ -68,7 +68,7 @@ def _metric(name: Any, folder: Path) -> Any:
     module, _, function = name.partition(":")
     if not all(map(str.isidentifier, module.split("."))):
         raise ValueError(f"metrics must be names or 'module:function', got {quoted(name)}")
-    # Other processes are told this path, too.
+    # Other processes also receive this path.
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
     try:
@@ -98,7 +98,7 @@ def _values(folder: Path, name: str, values: Any) -> Any:
 
 
 def _labels(values: Mapping[str, Any]) -> list[Any]:
-    """Return the labels of a table: as numbers, if all are."""
+    """Return the labels of a table: as numbers, if all are numbers."""
     for kind in (int, float):
         try:
             return [kind(label) for label in values]

@@ -27,15 +27,15 @@ _WIDEST = 12  # label of a group, in letters, that stands at the head of a colum
 class CampaignSummary(Report):
     """Means over the runs of each group of cases, and their differences to the first group.
 
-    A run counts where the number is known in all cases of the group; these are averaged first, so
-    that there is one number for each run, and the runs are independent.
+    A run counts if the number is known in all cases of the group. These are averaged first, so that
+    there is one number for each run, and the runs are independent.
 
     Attributes
     ----------
     by : tuple of str
         The options that make the groups.
     groups : tuple of str
-        The groups; the differences are those to the first.
+        The groups; the differences are to the first one.
     metrics : tuple of str
         The M columns.
     n : array (G, M) of int
@@ -45,27 +45,27 @@ class CampaignSummary(Report):
     half_width : array (G, M)
         Half width of the confidence interval of the mean.
     n_pairs : array (G, M) of int
-        Number of runs that are known in the group and in the first one.
+        Number of runs known in both the group and the first one.
     difference, difference_half_width : array (G, M)
         Mean of the group minus the first one, run by run, and half the width of its confidence
         interval.
     more_runs : array (G, M)
-        How many runs more let the interval exclude 0, if mean and spread of the differences stay
-        what they are; 0 = it does, NaN = not known, inf = there is no difference.
+        Number of further runs that let the interval exclude 0, if mean and spread of the
+        differences stay the same; 0 = it excludes 0 now, NaN = not known, inf = no difference.
     level : float
         Level of confidence of all intervals.
     failed : int
-        Number of runs that failed.
+        Number of failed runs.
     first_error : str
-        The error of the first of them, with its run and case.
+        The error of the first failed run, with its run and case.
 
     Notes
     -----
-    The intervals are those of Student's t for the mean of independent numbers: for a mean over
-    dozens of runs, and of numbers without far outliers. Those of differences are narrower than the
-    means' own suggest, as the runs of all cases have the same seeds. They hold for one comparison:
-    of twenty, one is expected beside its interval of 95 %; and who goes on until an interval
-    excludes 0 finds a difference where there is none.
+    The intervals are Student's t intervals for the mean of independent numbers: for a mean over
+    dozens of runs, and of numbers without far outliers. The intervals of differences are narrower
+    than the means' own suggest, as the runs of all cases have the same seeds. They hold for one
+    comparison: of twenty, one is expected outside its interval of 95 %. Adding runs until an
+    interval excludes 0 finds differences that do not exist.
     """
 
     by: tuple[str, ...]
@@ -85,7 +85,7 @@ class CampaignSummary(Report):
 
     @property
     def title(self) -> str:
-        """What was summarized."""
+        """The compared options."""
         return f"Means by {', '.join(self.by)}" if self.by else "Means over all cases"
 
     @property
@@ -128,18 +128,19 @@ class CampaignSummary(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is compared, and what is missing."""
+        """The kind of comparison, and missing values."""
         remarks = []
         if len(self.groups) > 1 and self.metrics:
-            remarks.append("differences are those of runs with the same seed")
+            remarks.append("differences compare runs with the same seed")
             remarks.append(
-                "runs more: how many more let the interval of the difference exclude 0, if mean "
-                "and spread stay what they are; decided: it does"
+                "runs more: how many further runs let the interval of the difference exclude 0, if "
+                "mean "
+                "and spread stay the same; decided: it excludes 0 now"
             )
         if (self.n != self.n[:1]).any():
             remarks.append(
-                "the means are of different runs, where the number is known: compare the "
-                "differences, which are of the runs that have both"
+                "the means are of different runs, because some numbers are not known: compare the "
+                "differences, which use only runs with both"
             )
         if self.failed:
             one = self.failed == 1
@@ -222,7 +223,7 @@ def _student(level: float, n: Floats) -> Floats:
 
 
 def _more_runs(n: Floats, difference: Floats, sd: Floats, level: float) -> Floats:
-    """Return how many runs more are needed, so that |difference| > t(n - 1) sd / sqrt(n)."""
+    """Return the number of further runs for |difference| > t(n - 1) sd / sqrt(n)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.square(sd / difference)
     needed = np.where(np.isnan(sd), np.nan, np.where(difference == 0, np.inf, 2.0))

@@ -1,6 +1,6 @@
 """Controllers for ``Simulation(control=...)``, and scores of a driven path and of parking.
 
-They follow a path, or excite the robot so that its parameters can be identified.
+They follow a path, or excite the robot for the identification of its parameters.
 """
 
 from robsim._core import Controller, DriveAround, Replay, Spin

@@ -1,4 +1,4 @@
-"""The controllers by name, as the command line offers them."""
+"""The controllers by name, for the command line."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ _MAXIMUM_SEED = 2**63 - 1
 
 @dataclass(frozen=True, kw_only=True)
 class _Excitation:
-    """The limits of the voltages, which all excitation controllers share."""
+    """The limits of the voltages, shared by all excitation controllers."""
 
     low: float = -0.5  # V
     high: float = 1.5  # V
@@ -62,12 +62,12 @@ class PseudoRandomBinary(_Excitation):
     low, high : float
         The two voltages (V).
     hold : int
-        Number of steps for which a voltage is held: about a time constant of the robot. That of
-        the default robot's turn rate is 5.5 steps.
+        Number of steps for which a voltage is held: about a time constant of the robot. The time
+        constant of the default robot's turn rate is 5.5 steps.
     order : int
         Length of the shift register, 3..12: the period is ``hold * (2**order - 1)`` steps.
     seed : int
-        Seed of the position in the sequence at which the run begins.
+        Seed of the start position in the sequence.
 
     Raises
     ------
@@ -77,8 +77,8 @@ class PseudoRandomBinary(_Excitation):
     Notes
     -----
     A maximum-length sequence has 2^(order-1) high and 2^(order-1) - 1 low bits in a period; with
-    bits of +-1 the mean of bit(i) bit(i + shift) is -1/(2^order - 1) for every shift that is not
-    a multiple of the period. Source: Söderström and Stoica, System Identification, 1989, ch. 5.
+    bits of +-1 the mean of bit(i) bit(i + shift) is -1/(2^order - 1) for every shift except
+    multiples of the period. Source: Söderström and Stoica, System Identification, 1989, ch. 5.
 
     Examples
     --------
@@ -135,7 +135,7 @@ def _random_bits(seed: int) -> int:
 
 @dataclass(frozen=True, kw_only=True)
 class _Band(_Excitation):
-    """The frequency band of the excitation, which `MultiSine` and `Chirp` share."""
+    """The frequency band of the excitation, shared by `MultiSine` and `Chirp`."""
 
     minimum_frequency: float
     maximum_frequency: float
@@ -175,7 +175,7 @@ class MultiSine(_Band):
         the default robot is 0.05 Hz for the speed and 0.16 Hz for the turn rate. If the period is
         a whole number of steps, no power leaks to other frequencies.
     seed : int
-        Seed of the position in the period at which the run begins.
+        Seed of the start position in the period.
 
     Raises
     ------
@@ -263,9 +263,10 @@ def _schroeder(multiples: NDArray[np.int64]) -> _Waves:
 
 @dataclass(frozen=True, kw_only=True)
 class Chirp(_Band):
-    """Gives each motor a sine that sweeps a frequency band again and again.
+    """Gives each motor a sine that sweeps a frequency band repeatedly.
 
-    The left motor's sweeps up, the right motor's down. Both spend the same time in each octave.
+    The left motor's sine sweeps up, the right motor's down. Both spend the same time in each
+    octave.
 
     Parameters
     ----------

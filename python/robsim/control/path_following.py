@@ -22,7 +22,7 @@ def dot(a: Floats, b: Floats) -> float:
 
 
 def nearest_on_segment(position: Floats, start: Floats, end: Floats) -> Floats:
-    """Return the point (2,) of the segment start -> end that is nearest to a position (2,)."""
+    """Return the point (2,) of the segment start -> end closest to a position (2,)."""
     along = end - start
     square = dot(along, along)
     # fraction = (position - start) . (end - start) / |end - start|^2, within 0..1
@@ -71,7 +71,7 @@ def as_pose(pose: ArrayLike, name: str = "pose") -> Floats:
 
 
 def as_goals(goals: ArrayLike) -> Floats:
-    """Return where a robot is to go: a position (2,), a pose (3,) or waypoints (N, 2)."""
+    """Return the goals of a robot: a position (2,), a pose (3,) or waypoints (N, 2)."""
     expected = "goals must be a position (2,), a pose (3,) or waypoints (N, 2), finite, in px"
     points = as_float_array("goals", goals)
     is_one, is_path = points.shape in ((2,), (3,)), points.ndim == 2 and points.shape[1] == 2
@@ -90,7 +90,7 @@ class _Motion:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the run."""
+        """Reset the memory of the run."""
         self.k = -1
         self.is_new = True  # the newest pose is the first one
         self.pose = np.zeros(3)  # x, y (px), heading (rad)
@@ -102,7 +102,7 @@ class _Motion:
             k = step.k
         except AttributeError:
             raise TypeError(
-                f"step must be a Step, got {quoted(step)}: by hand it is "
+                f"step must be a Step, got {quoted(step)}; to make one by hand, use "
                 "robsim.Step(measurement=(x, y, heading))"
             ) from None
         if k == 0 or k < self.k:
@@ -126,7 +126,7 @@ class _Motion:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class _Drive:
-    """The control law towards a goal, which both controllers share, and its options."""
+    """The control law towards a goal, shared by both controllers, and its options."""
 
     maximum_voltage: float = 1.0  # V
     maximum_speed: float = 40.0  # px/s
@@ -163,7 +163,7 @@ class _Drive:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, _Drive):
             return NotImplemented
-        return self._key() == other._key()  # what it remembers of a run does not count
+        return self._key() == other._key()  # the memory of a run does not count
 
     def __hash__(self) -> int:
         return hash(self._key())
@@ -186,7 +186,7 @@ class _Drive:
         # the components of the force along the heading and to its right
         ahead = force[0] * cos(heading) + force[1] * sin(heading)
         right = force[1] * cos(heading) - force[0] * sin(heading)
-        # error = angle from the robot's axis to the force, whichever end of the axis is nearer
+        # error = angle from the robot's axis to the force, at the nearer end of the axis
         error = atan2(math.copysign(1, ahead) * right, abs(ahead))
         # turn = heading_gain error - turn_gain turn rate; the remaining voltage drives
         limit = self.maximum_voltage
@@ -205,7 +205,7 @@ class GoToPoint(_Drive):
     """Drives the robot to a point, forwards or backwards, and stops it there.
 
     It uses the estimated pose if a state estimator runs, otherwise the measured one. While the
-    robot is not seen, the voltages are (0, 0). It keeps the last pose: create one for each
+    robot is not seen, the voltages are (0, 0). It stores the last pose: create one for each
     simulation.
 
     Parameters
@@ -236,12 +236,12 @@ class GoToPoint(_Drive):
 
     Notes
     -----
-    The default robot slides sideways, as a hovercraft does: turning it does not turn its path. The
-    control law is therefore one of forces. The distance gives the wanted velocity, the velocity
-    error gives a force, and the robot turns its axis towards that force::
+    The default robot slides sideways, like a hovercraft: turning it does not turn its path. The
+    control law therefore uses forces. The distance gives the wanted velocity, the velocity error
+    gives a force, and the robot turns its axis towards that force::
 
         wanted velocity = distance_gain (goal - position), at most maximum_speed
-        force = speed_gain (wanted velocity - velocity)
+        force = speed_gain (wanted velocity - velocity);
         turn = heading_gain (direction of the force - heading) - turn_gain turn rate
         drive = component of the force along the heading, at most maximum_voltage - |turn|
         u1 = drive + turn,  u2 = drive - turn
@@ -283,14 +283,14 @@ class _Progress:
 class FollowPath(_Drive):
     """Drives the robot along straight lines from waypoint to waypoint and stops it at the last.
 
-    The first line begins where the robot is first seen in a run. It drives as `GoToPoint` does, to
-    a goal on the path ahead of the robot; the goal stops at a corner sharper than 45 degrees, so
-    that the robot slows down there.
+    The first line begins at the first seen position of the robot in a run. It drives like
+    `GoToPoint`, to a goal on the path ahead of the robot; the goal stops at a corner sharper than
+    45 degrees, so that the robot slows down there.
 
     Parameters
     ----------
     waypoints : array (N, 2)
-        Positions (x, y) in work-area px, in the order in which they are to be reached.
+        Positions (x, y) in work-area px, in the order of travel.
     waypoint_radius : float
         Distance at which a waypoint counts as reached (px).
     lookahead : float
@@ -329,7 +329,7 @@ class FollowPath(_Drive):
 
     @property
     def next_waypoint(self) -> int:
-        """Index of the waypoint that it drives to; it stays at the last one."""
+        """Index of the current target waypoint; it stays at the last one."""
         return self._progress.next_waypoint
 
     def __call__(self, step: Step) -> tuple[float, float]:

@@ -21,18 +21,18 @@ _FEW_STEPS = 5  # that a robot may be within tolerances while it drives through 
 
 @dataclass(frozen=True, kw_only=True)
 class PathScore(Report):
-    """How well a robot followed a path: the result of `score_path`.
+    """A robot's accuracy along a path: the result of `score_path`.
 
     Attributes
     ----------
     source : str
-        The path that was scored: ``"truth"``, or ``"measurement"`` where the truth is not known.
+        The scored path: ``"truth"``, or ``"measurement"`` if the truth is not known.
     waypoints : int
         Number of waypoints.
     reached : int
-        Number of waypoints that were reached, in their order.
+        Number of reached waypoints, in their order.
     completed_step : int or None
-        The step at which the last waypoint was reached; None = it was not.
+        The step at which the last waypoint was reached; None = never.
     rmse, max_error : float
         Root mean square and maximum of the cross-track error (in `unit`).
     final_distance : float
@@ -40,7 +40,7 @@ class PathScore(Report):
     effort : float
         Root mean square of the voltages of both motors (V); NaN = not known.
     unit : str
-        The unit of lengths: that of the trace.
+        The unit of lengths, as in the trace.
 
     Examples
     --------
@@ -63,7 +63,7 @@ class PathScore(Report):
 
     @property
     def title(self) -> str:
-        """What was scored."""
+        """The subject: the path."""
         return "Path through the waypoints"
 
     @property
@@ -89,10 +89,10 @@ class PathScore(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The part of the path that the errors are of."""
+        """The part of the path for the errors."""
         if self.completed_step is not None:
             return ()
-        return ("the cross-track errors are of the way driven: a robot at rest has errors of 0",)
+        return ("the cross-track errors are of the driven path: a robot at rest has errors of 0",)
 
 
 def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 25.0) -> PathScore:
@@ -101,17 +101,16 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
     Parameters
     ----------
     trace : Trace
-        The run; its true path is scored, or the measured one if it has no truth.
+        The run; its true path is scored, or the measured one without the truth.
     waypoints : array (N, 2)
-        Positions (x, y) in work-area px, as the controller has them, in the order in which they
-        are to be reached.
+        Positions (x, y) in work-area px, as for the controller, in the order of travel.
     waypoint_radius : float
         Distance at which a waypoint counts as reached (work-area px).
 
     Returns
     -------
     PathScore
-        Cross-track error, waypoints reached, effort.
+        Cross-track error, reached waypoints, effort.
 
     Raises
     ------
@@ -128,10 +127,10 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
 
         error(k) = distance of (x(k), y(k)) from the nearest point of p(j) -> p(j+1)
 
-    The other segments do not count, so a short cut to a later one is an error. There is one
-    exception, since a waypoint counts as reached before the robot is there: as long as the robot
-    is within `waypoint_radius` of p(j), the segment p(j-1) -> p(j) counts, too; and so on backwards
-    where waypoints lie close together.
+    The other segments do not count, so a short cut to a later segment is an error. There is one
+    exception, since a waypoint counts as reached before the robot is there. While the robot is
+    within `waypoint_radius` of p(j), the segment p(j-1) -> p(j) counts, too; and so on backwards if
+    waypoints lie close together.
 
     Examples
     --------
@@ -170,7 +169,7 @@ def rms_voltage(trace: Trace) -> float:
 
 
 def known_poses(trace: Trace) -> tuple[str, Floats]:
-    """Return where the poses are from, and the poses: the true ones if there are any."""
+    """Return the source of the poses, and the poses: the true ones if available."""
     if np.isfinite(trace.pose_true[:, :2]).any():
         return "truth", trace.pose_true
     if not np.isfinite(trace.pose_measured[:, :2]).any():
@@ -181,7 +180,7 @@ def known_poses(trace: Trace) -> tuple[str, Floats]:
 def _cross_track_errors(
     positions: Floats, points: Floats, radius: float
 ) -> tuple[Floats, list[int]]:
-    """Return the error at each position, and the rows in which the waypoints were reached."""
+    """Return the error at each position, and the rows at which the waypoints were reached."""
     path = np.vstack((positions[:1], points, points[-1:]))
     errors = np.empty(len(positions))
     reached_rows: list[int] = []
@@ -203,30 +202,30 @@ def _distance(position: Floats, segment: Floats) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class PoseScore(Report):
-    """How well a robot parked: the result of `score_pose`.
+    """A robot's accuracy in parking: the result of `score_pose`.
 
     Attributes
     ----------
     source : str
-        The path that was scored: ``"truth"``, or ``"measurement"`` where the truth is not known.
+        The scored path: ``"truth"``, or ``"measurement"`` if the truth is not known.
     final_distance : float
         Distance from the position at the end of the run (in `unit`).
     final_heading_error : float
         Heading minus the wanted one at the end, within -pi..pi (rad).
     settled_step : int or None
-        The first step from which on the robot stays within both tolerances; None = at the end it
-        is not within them.
+        The first step from which on the robot stays within both tolerances; None = at the end it is
+        outside of them.
     settling_time : float or None
-        How long that took (s).
+        Time until this step (s).
     held : int
-        Number of steps with a pose from then on.
+        Number of steps with a pose from this step on.
     overshoot : float or None
-        How far beyond the position tolerance it was again after it had once been within (in
-        `unit`); None = it never was.
+        Largest distance beyond the position tolerance after the robot was first within it (in
+        `unit`); None = it never was within.
     effort : float
         Root mean square of the voltages of both motors (V); NaN = not known.
     unit : str
-        The unit of lengths: that of the trace.
+        The unit of lengths, as in the trace.
 
     Examples
     --------
@@ -248,7 +247,7 @@ class PoseScore(Report):
 
     @property
     def title(self) -> str:
-        """What was scored."""
+        """The subject: the parking."""
         return "Parking at a pose"
 
     @property
@@ -274,7 +273,7 @@ class PoseScore(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The few steps that make the verdict."""
+        """The warning that few steps decide the verdict."""
         if not 0 < self.held < _FEW_STEPS:
             return ()
         return (f"settled by the last {self.held} of the poses: the robot may only drive through",)
@@ -287,18 +286,18 @@ def score_pose(
     position_tolerance: float = 25.0,
     heading_tolerance: float = 0.2,
 ) -> PoseScore:
-    """Score how a run came to a pose and stayed there.
+    """Score a run's arrival and stay at a pose.
 
     Parameters
     ----------
     trace : Trace
-        The run; its true poses are scored, or the measured ones if it has no truth.
+        The run; its true poses are scored, or the measured ones without the truth.
     pose : array (3,)
         The wanted x, y (work-area px) and heading (rad).
     position_tolerance : float
-        Distance up to which the robot is at the position (work-area px).
+        Largest distance at which the robot counts as at the position (work-area px).
     heading_tolerance : float
-        Heading error up to which it has the heading (rad).
+        Largest heading error at which the robot counts as aligned (rad).
 
     Returns
     -------
@@ -314,8 +313,8 @@ def score_pose(
 
     Notes
     -----
-    Steps without a pose do not count: neither as left nor as settled. The overshoot is the largest
-    distance after the first step within the position tolerance, less that tolerance, or 0.
+    Steps without a pose count neither as left nor as settled. The overshoot is the largest distance
+    after the first step within the position tolerance, less that tolerance, or 0.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Figures of a run, of its reports, of frames, robots and colours; and clips for notebooks.
 
 A colour has the same meaning in all figures. Positions are in work-area pixels with the y axis
-downwards, as the camera sees the area; angles are in degrees.
+downwards, as in the camera's view; angles are in degrees.
 """
 
 from robsim.plotting.charts.batch import plot_batch

@@ -1,4 +1,4 @@
-"""The picture of a run that went wrong: its path, and its error beside that of the reference."""
+"""The picture of a failed run: its path, and its error next to the reference's."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robsim.plotting.charts.traces import draw_plan
 from robsim.trace import Trace
 from robsim.trace.units import length_format
 
-#: What an error is of, which says its colour.
+#: The kind of an error, which selects its colour.
 ESTIMATE, MEASUREMENT, DRIVE = "estimate", "measurement", "drive"
 _POSES = {ESTIMATE: "pose_estimated", MEASUREMENT: "pose_measured"}
 
@@ -40,7 +40,7 @@ class RunError:
 
     @property
     def worst(self) -> int | None:
-        """The row at which it is told: the last one, or that of the largest error."""
+        """The reported row: the last one, or the row of the largest error."""
         known = np.flatnonzero(np.isfinite(self.yours))
         scored = known[known >= self.unscored]
         known = scored if len(scored) else known
@@ -49,7 +49,7 @@ class RunError:
         return int(known[-1]) if self.counts_at_end else int(known[self.yours[known].argmax()])
 
     def sentence(self, first_step: int) -> str:
-        """Return how large it is, where, and that of the reference there."""
+        """Return the error's size and place, and the reference's error there."""
         at = self.worst
         if at is None:
             return f"{self.title}: not known at any step"
@@ -72,7 +72,7 @@ def run_errors(
     goals: Floats | None,
     unscored: int = 0,
 ) -> list[RunError]:
-    """Return the errors of a run, by what the submission fills; see `draw_run`."""
+    """Return the errors of a run, by the slots of the submission; see `draw_run`."""
     errors = _errors(trace, reference, slots, goals)
     return [replace(error, unscored=unscored) for error in errors]
 
@@ -134,7 +134,7 @@ def _of_drive(trace: Trace, reference: Trace | None, goals: Floats) -> list[RunE
     if goals.shape == (3,):
         yours = _degrees(trace.pose_true[:, 2] - goals[2])
         theirs = None if reference is None else _degrees(reference.pose_true[:, 2] - goals[2])
-        title = "heading, off that of the goal by"
+        title = "heading error at the goal"
         errors.append(RunError(title, "deg", DRIVE, yours, theirs, counts_at_end=True))
     return errors
 
@@ -172,10 +172,10 @@ def draw_run(
 ) -> tuple[Figure, str]:
     """Draw a run of a submission and the reference's; return the figure and a caption.
 
-    Its slots decide about its error: estimate, measurement, parameters, or a controller's distance
-    from `goals`. Goals are a pose (3,), a position (2,) or a path's corners (N, 2), in work-area
-    px. `asked` has by unit the mean error for all points, such as ``{"px": 0.8, "deg": 1.2}``. The
-    first `unscored` steps have no largest error.
+    The submission's slots select the errors: estimate, measurement, parameters, or a controller's
+    distance from `goals`. Goals are a pose (3,), a position (2,) or a path's corners (N, 2), in
+    work-area px. `asked` has by unit the mean error for full points, such as ``{"px": 0.8, "deg":
+    1.2}``. The first `unscored` steps have no largest error.
     """
     if not len(trace):
         raise ValueError("trace must have steps")
@@ -233,7 +233,7 @@ def _drawn(
 def _draw_plan(
     plan: Axes, trace: Trace, reference: Trace | None, goals: Floats | None, first: int
 ) -> None:
-    """Draw paths and goals from above, as near as they and what counts of an estimate allow."""
+    """Draw paths and goals from above, zoomed to them and to the relevant part of an estimate."""
     draw_plan(plan, trace)
     estimated = trace.pose_estimated[:, :2]
     shown = [trace.pose_true[:, :2], estimated[first:]]
@@ -301,7 +301,7 @@ def _draw_error(axes: Axes, trace: Trace, error: RunError) -> None:
 
 
 def _top(error: RunError) -> float | None:
-    """Return up to where an error is drawn, where it may be large in steps that do not count."""
+    """Return the upper limit of a drawn error, which may be large in steps that do not count."""
     lines = [error.yours] if error.reference is None else [error.yours, error.reference]
     scored = [line[error.unscored :][np.isfinite(line[error.unscored :])] for line in lines]
     if not error.unscored or not len(scored[0]):  # then the largest error told is one of these

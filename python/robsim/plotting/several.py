@@ -1,4 +1,4 @@
-"""`plot_runs`: several runs in one figure, to compare them."""
+"""`plot_runs`: several runs in one figure, for comparison."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from robsim.plotting.style import check_steps
 from robsim.simulation.slots import checked_slots
 from robsim.trace import Trace
 
-#: One for each run; none is that of the truth, which all runs have.
+#: One for each run, different from the colour of the truth, which all runs share.
 _COLORS = (style.ESTIMATED, style.BATCH, "#00897b", "#8e24aa", "#6d4c41", "#546e7a", "#c0ca33")
-#: Slots that say where the robot is, which is drawn in place of where it really is.
+#: Slots whose poses are drawn instead of the true ones.
 _GROUPS = {"estimate_state": "pose_estimated", "measure": "pose_measured"}
 _WIDTH, _HEIGHT, _ROW = 9.0, 3.7, 1.7  # inches
 
@@ -33,30 +33,30 @@ def plot_runs(
     goals: ArrayLike | None = None,
     slots: str | Iterable[str] | None = None,
 ) -> Figure:
-    """Draw the true paths of several runs, and what is wrong at each step of them.
+    """Draw the true paths of several runs, and their error at each step.
 
     Parameters
     ----------
     runs : dict of str to Trace
-        The runs by what the legend calls them, at most 7.
+        The runs by their names in the legend, at most 7.
     goals : array_like (3,), (2,) or (N, 2), optional
-        The pose or the position that the robot is to come to, or the waypoints of a path that
-        begins where it stands (work-area px).
+        The pose or the position that the robot should reach, or its waypoints from the start
+        (work-area px).
     slots : str or sequence of str, optional
-        The slots that the runs differ in, which say what is wrong: ``"estimate_state"`` the
+        The slots in which the runs differ, which select the error: ``"estimate_state"`` the
         estimated poses, ``"measure"`` the measured ones, ``"estimate_parameters"`` the parameters,
         ``"control"`` the distance from `goals`. Default: with `goals` ``"control"``, else the first
-        of these three of which all runs have something.
+        of these three with values in all runs.
 
     Returns
     -------
     matplotlib.figure.Figure
-        The paths on the left; on the right a panel for each error.
+        The paths on the left, and a panel for each error on the right.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is wrong; the message names it.
+        If an argument is wrong; the message names the argument.
 
     Examples
     --------
@@ -100,7 +100,7 @@ def _checked(runs: Any) -> dict[str, Trace]:
 
 
 def _slots_of(traces: Iterable[Trace], goals: Floats | None) -> tuple[str, ...]:
-    """Return the slot of which all runs have something that can be wrong."""
+    """Return the first slot with errors in all runs."""
     if goals is not None:
         return ("control",)
     for slot, group in {**_GROUPS, "estimate_parameters": "parameters"}.items():
@@ -110,7 +110,7 @@ def _slots_of(traces: Iterable[Trace], goals: Floats | None) -> tuple[str, ...]:
 
 
 def _draw_paths(plan: Axes, traces: Mapping[str, Trace], goals: Floats | None, group: str) -> None:
-    """Draw the poses of a group of all runs; the true path, where they are others."""
+    """Draw the poses of a group of all runs; also the true path, if it differs."""
     shown = []
     if goals is not None:
         shown.append(draw_goals(plan, goals))

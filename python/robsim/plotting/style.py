@@ -46,7 +46,7 @@ _SOURCES: dict[type, str] = {
     ErrorReport: "robsim.pose_errors(trace), or robsim.estimation.estimation_errors(...)",
     ConsistencyReport: "robsim.pose_consistency(traces), or nees_consistency or nis_consistency "
     "in robsim.estimation",
-    CampaignResult: "what robsim.campaign(...) returns",
+    CampaignResult: "the result of robsim.campaign(...)",
     Iterable: "frames, for example of a recording",
     Axes: "axes of matplotlib, such as figure.add_subplot()",
 }
@@ -66,13 +66,13 @@ def check_blobs(blobs: Any) -> None:
     for found in blobs.values() if isinstance(blobs, Mapping) else [None]:
         if not isinstance(found, Sequence) or not all(isinstance(one, Blob) for one in found):
             raise TypeError(
-                "blobs must be a dict of the list of Blob of each colour, as from "
+                "blobs must be a dict of the list of Blob of each colour, from "
                 f"robsim.find_blobs(frame, colors), got {quoted(blobs)}"
             )
 
 
 def check_source(name: str, value: Any, kind: type) -> None:
-    """Raise a TypeError, which says where to get one from, unless a value is of a kind above."""
+    """Raise a TypeError, which gives a source of such values, unless a value is of a kind above."""
     if not isinstance(value, kind):
         raise TypeError(
             f"{name} must be of type {kind.__name__}, got {type(value).__name__}: "
@@ -92,7 +92,7 @@ def check_axes(axes: Any, shape: tuple[int, ...]) -> NDArray[np.object_]:
     found = np.asarray(axes, dtype=object)
     size = " x ".join(map(str, shape))
     if found.shape != shape:
-        raise ValueError(f"axes: expected an array of {size} axes, got the shape {found.shape}")
+        raise ValueError(f"axes must be an array of {size} axes, got the shape {found.shape}")
     for one in found.flat:
         check_source("axes", one, Axes)
     return found
@@ -115,12 +115,12 @@ def check_positions(name: str, values: Any) -> Floats:
     """Return `values` as an array (N, 2); raise a ValueError if they have another shape."""
     positions = as_float_array(name, values)
     if positions.ndim != 2 or positions.shape[1] != 2:
-        raise ValueError(f"{name}: expected the shape (N, 2), got {positions.shape}")
+        raise ValueError(f"{name} must have the shape (N, 2), got {positions.shape}")
     return positions
 
 
 TRUE = "#d100c9"  # the true pose and the true parameters
-MEASURED = "#17a02b"  # what the camera measured
+MEASURED = "#17a02b"  # the camera's measurements
 HELD = "#000000"  # not seen: the last valid pose, repeated
 ESTIMATED = "#1f5fe0"  # the state estimate, the online parameter estimate
 BATCH = "#e07b00"  # the batch parameter estimate
@@ -139,7 +139,7 @@ _LEGEND_COLUMN = 1.05
 BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 2}
 _STYLE: dict[Any, Any] = {
     "figure.dpi": 110,
-    "text.usetex": False,  # it would run what a name says
+    "text.usetex": False,  # it would execute TeX in a name
     "figure.constrained_layout.use": True,
     "figure.facecolor": "white",
     "figure.titlesize": 10.5,
@@ -185,7 +185,7 @@ class NotebookAxes(Axes):
 
 
 def panel(ax: Axes | None, size: tuple[float, float]) -> Axes:
-    """Return the axes given to a figure of one panel, or those of a new figure (inches)."""
+    """Return the axes given to a figure of one panel, or new axes in a figure (inches)."""
     if ax is None:
         return NotebookFigure(figsize=size).add_subplot(axes_class=NotebookAxes)
     check_source("ax", ax, Axes)
@@ -211,7 +211,7 @@ def show_steps(axes: Axes, trace: Trace) -> None:
 
 
 def dot_size(steps: int) -> float:
-    """Return the marker size of a dot (points) that must not touch its neighbours."""
+    """Return the marker size of a dot (points) that does not touch its neighbours."""
     return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.5, 6.5))
 
 
@@ -275,7 +275,7 @@ def legend_below(axes: Axes, *, ncols: int, **look: Any) -> None:
 
 
 def enlarge_marks(legend: Legend) -> None:
-    """Make the marks of a legend visible, however small the dots and thin the lines are."""
+    """Make the marks of a legend visible, even for small dots and thin lines."""
     for handle in legend.legend_handles:
         if isinstance(handle, Line2D):
             handle.set_alpha(1.0)

@@ -1,4 +1,4 @@
-"""The recorded run: named columns with units, slices, files; sessions with the frames as well."""
+"""The recorded run: named columns with units, slices, files; sessions, which include frames."""
 
 from robsim.trace.columns import PARAMETER_NAMES, NotRecordedError
 from robsim.trace.run_info import RunInfo

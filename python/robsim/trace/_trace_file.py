@@ -1,4 +1,4 @@
-"""The file of a trace: an archive of arrays with a text about the run, no pickle in it."""
+"""The file of a trace: an archive of arrays with a text about the run, without pickle."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _PART = 2**20  # bytes that are unpacked at a time
 T = TypeVar("T")
 
 Content = tuple[Mapping[str, Floats], RunInfo, int]
-"""Groups of columns, what concerns the run as a whole, number of the first step."""
+"""Groups of columns, facts about the whole run, number of the first step."""
 
 
 def write_trace(path: Path, content: Content) -> None:
@@ -55,24 +55,24 @@ def pack_trace(content: Content) -> bytes:
     members = {_INFO: np.array(json.dumps(info)), **groups}
     archive = packed_arrays(members)
     if sum(array.nbytes for array in members.values()) > _most_unpacked(len(archive)):
-        # A robot that stands still: what is packed too well would not be read.
+        # A robot at rest has highly compressible columns, which the size limit would refuse.
         archive = packed_arrays(members, compress=False)
     return archive
 
 
 def _most_unpacked(size: int) -> int:
-    """Return how many bytes a file of this size may contain: a trace is not packed so well."""
+    """Return the largest content (bytes) of a file of this size: traces compress only so far."""
     return _MOST_SMALL + 10 * size
 
 
 def read_trace(path: Path, build: Callable[[Content], T]) -> T:
-    """Return what `build` makes of a file that `write_trace` wrote; else a ValueError names it."""
+    """Return the result of `build` for a file of `write_trace`; else raise a ValueError."""
     with open_file(path) as file:
         return _built(file, one_line(path), build)
 
 
 def unpack_trace(packed: bytes, name: str, build: Callable[[Content], T]) -> T:
-    """Return what `build` makes of what `pack_trace` returned; else a ValueError has the name."""
+    """Return the result of `build` for bytes of `pack_trace`; else a ValueError has the name."""
     return _built(io.BytesIO(packed), name, build)
 
 
@@ -87,7 +87,7 @@ def _built(file: BinaryIO, name: str, build: Callable[[Content], T]) -> T:
         raise ValueError(f"{name} is not a trace of robsim, or damaged: {message}") from error
 
 
-# What reading a broken archive raises, beside the errors of our own checks.
+# The errors of reading a broken archive, in addition to our own checks.
 _BROKEN = (
     ValueError,
     KeyError,
@@ -106,7 +106,7 @@ _BROKEN = (
 
 
 def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
-    """Return the content of a trace; nothing is unpacked before it is known how large it is."""
+    """Return the content of a trace; sizes are checked before anything is unpacked."""
     info = _read_info(archive, size)
     if missing := {"format", "first_step", "groups", "area"} - info.keys():
         raise ValueError(f"its info has no {min(missing)}")
@@ -120,7 +120,7 @@ def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
         check_group_name(name)
     stored = [member.removesuffix(".npy") for member in archive.NameToInfo]
     if sorted(names) != sorted(set(stored) - {_INFO, _OF_OLD_NUMPY}):
-        raise ValueError(f"its groups are not those that it was saved with, but {listed(stored)}")
+        raise ValueError(f"its groups must match its info, got {listed(stored)}")
     _check_sizes(archive, names, size)
     groups = {name: _read_array(archive, name) for name in names}
     for name in ("area", "callbacks", "changed", "marker_colors"):
@@ -159,7 +159,7 @@ def _text_of(archive: zipfile.ZipFile, dtype: np.dtype[Any]) -> str:
 
 
 def _check_sizes(archive: zipfile.ZipFile, names: list[str], size: int) -> None:
-    """Raise a ValueError unless the headers tell of the same number of rows, and not too many."""
+    """Raise a ValueError unless the headers have the same number of rows, and not too many."""
     total, lengths = 0, {}
     for name in names:
         dtype, shape, bytes_ = _header(archive, name)
@@ -173,7 +173,7 @@ def _check_sizes(archive: zipfile.ZipFile, names: list[str], size: int) -> None:
     if total > _most_unpacked(size):
         raise ValueError(
             f"a file of {size / 2**20:.1f} MB must contain at most "
-            f"{_most_unpacked(size) >> 20} MB, and this one claims {total >> 20} MB"
+            f"{_most_unpacked(size) >> 20} MB, got a claim of {total >> 20} MB"
         )
 
 
@@ -183,20 +183,20 @@ _HEADER = re.compile(
 
 
 def _header(archive: zipfile.ZipFile, name: str) -> tuple[np.dtype[Any], tuple[int, ...], int]:
-    """Return type, shape and size (bytes) of an array, which is not read."""
+    """Return type, shape and size (bytes) of an array without reading the array."""
     member = archive.NameToInfo[f"{name}.npy"]
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise ValueError(f"{name} is packed in a way that a trace is not")
+        raise ValueError(f"{name} has a compression that traces do not use")
     with archive.open(member) as file:
         if np.lib.format.read_magic(file) != (1, 0):
-            raise ValueError(f"{name} is an array of another version")
+            raise ValueError(f"{name} is an array of another format version")
         header = _HEADER.fullmatch(file.read(int.from_bytes(file.read(2), "little")))
         if not header:  # numpy itself would try Python's and Python 2's grammar, with warnings
-            raise ValueError(f"{name} begins as numpy does not begin an array")
+            raise ValueError(f"{name} has no valid numpy header")
         dtype, shape = np.dtype(header[1].decode()), tuple(map(int, re.findall(rb"\d+", header[2])))
         size = math.prod(shape) * dtype.itemsize
         if dtype.hasobject or size != member.file_size - file.tell():
-            raise ValueError(f"{name} has not the size that it claims")
+            raise ValueError(f"{name} does not have the size in its header")
     return dtype, shape, size
 
 

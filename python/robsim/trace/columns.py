@@ -1,4 +1,4 @@
-"""What the columns of a trace are: groups, names, units, widths."""
+"""The columns of a trace: groups, names, units, widths."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ POSES = {"truth": "pose_true", "measurement": "pose_measured", "estimate": "pose
 
 
 def check_group_name(name: str) -> None:
-    """Raise a ValueError unless a group, of blobs of a colour too, can have this name."""
+    """Raise a ValueError unless a group, also of a colour's blobs, can have this name."""
     check_words("the name of a group", name.removeprefix("blobs_"))
 
 
@@ -43,7 +43,7 @@ def fields_of(group: str, width: int) -> dict[str, str]:
 
 
 def group_of(field: str) -> str | None:
-    """Return the group that a single column belongs to; None if there is none of fixed width."""
+    """Return the group of a single column; None if it is not in a group of fixed width."""
     return next((name for name, group in GROUPS.items() if field in group.units), None)
 
 
@@ -70,7 +70,7 @@ def _shape_of(group: str) -> tuple[int, ...]:
 
 
 def as_rows(name: str, values: Any) -> Floats:
-    """Return a read-only array (N, width) of a group's numbers, which may come as (N, 3, 5)."""
+    """Return a read-only array (N, width) of a group's numbers; input may be (N, 3, 5)."""
     array = as_numbers(name, values)
     if array.ndim < 1 or (array.ndim > 2 and array.shape[1:] != _shape_of(name)):
         raise ValueError(f"{name} must have a row for each step, got shape {array.shape}")
@@ -86,7 +86,7 @@ def as_rows(name: str, values: Any) -> Floats:
 
 
 class _Group(property, Generic[_Values]):
-    """The group of its name: a row for each step, as the schema describes it."""
+    """The group of its name: a row for each step, as described by the schema."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         group = GROUPS[name]
@@ -113,18 +113,18 @@ class Flag(_Group[NDArray[np.bool_]]):
     """True or False at each step."""
 
 
-_TRUTH = "only a simulation knows the truth, recorded frames do not have it"
+_TRUTH = "only a simulation knows the truth; recorded frames do not have it"
 _NOT_FITTED = (
-    "run with measure=True; a measure of your own must return that of robsim.locate with "
-    "image=..., or a Measurement with it"
+    "run with measure=True; a measure of your own must return the result of robsim.locate with "
+    "image=..., or a Measurement with this value"
 )
 _UNSEEN = "the robot was never seen; a measure of your own must return its Measurement"
-# How a group of columns is recorded.
+# How to record a group of columns.
 _HOW = {
     "pose_true": _TRUTH,
     "theta_true": _TRUTH,
-    "u": "there was no controller: give control=..., or control=robsim.Replay(u) for inputs that "
-    "were recorded with the frames",
+    "u": "there was no controller: give control=..., or control=robsim.Replay(u) for inputs "
+    "recorded with the frames",
     "pose_measured": "run with measure=True",
     "pose_held": "run with measure=True",
     "covariance_measured": _NOT_FITTED,
@@ -135,8 +135,8 @@ _HOW = {
     "covariance": "run with estimate_state=...",
     "parameters": "run with estimate_parameters=True",
     "standard_errors_unscaled": "run with estimate_parameters=True",
-    "t_arrival": "only a live camera says when frames arrived: give one to robsim.Experiment",
-    "t_sent": "no input went out: give send=... to robsim.Experiment",
+    "t_arrival": "only a live camera reports arrival times: pass one to robsim.Experiment",
+    "t_sent": "no input was sent: pass send=... to robsim.Experiment",
 }
 # Why a group that was recorded has no number.
 _WHY_UNKNOWN = {
@@ -145,19 +145,19 @@ _WHY_UNKNOWN = {
     "pose_held": _UNSEEN,
     "parameters": "let estimate_parameters return the parameters, (3, 5)",
     "covariance": "let estimate_state return Estimate(pose, covariance)",
-    "standard_errors_unscaled": "an estimator of your own gives none",
+    "standard_errors_unscaled": "an estimator of your own reports no standard errors",
 }
 
 
 class NotRecordedError(ValueError):
-    """A run did not record what is needed of it.
+    """A run lacks required records.
 
     Attributes
     ----------
     columns : tuple of str
-        What the trace does not have: ``("pose_estimated",)``.
+        The missing columns of the trace: ``("pose_estimated",)``.
     remedy : str
-        How to record it, or why it is not known: ``"run with estimate_state=..."``.
+        How to record them, or why they are not known: ``"run with estimate_state=..."``.
     """
 
     def __init__(self, columns: tuple[str, ...], remedy: str) -> None:

@@ -1,4 +1,4 @@
-"""What concerns a recorded run as a whole: the trace carries it as `info`."""
+"""Facts about a recorded run as a whole: the trace has them as `info`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SEED_KEYS = {"entropy", "spawn_key"}
 
 @dataclass(frozen=True, kw_only=True)
 class RunInfo:
-    """What a trace knows of the run as a whole.
+    """A trace's facts about the run as a whole.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ class RunInfo:
         NaN = not known, for recorded frames.
     seed : dict
         ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`. Default: an empty
-        dict, the seed is unknown, as of recorded frames.
+        dict, for an unknown seed, as with recorded frames.
     identify_from : str
-        The data that the online estimate is made from: truth, measurement or estimate.
+        The source of the online estimate: truth, measurement or estimate.
     area : tuple of int
         Width and height of the work area (px).
     boundary : str
@@ -44,20 +44,20 @@ class RunInfo:
         Names of the colours of its two markers, right before left, or front before back. Default:
         not known, as in an old file.
     scenario : Scenario or str, optional
-        What the run was made from, or that as a TOML text; see `robsim.Scenario.of`.
+        The scenario of the run, or its TOML text; see `robsim.Scenario.of`.
     callbacks : tuple of str
-        The slots that were filled with Python code, which is not part of the scenario.
+        The slots filled with Python code, which is not part of the scenario.
     changed : tuple of str
-        Options that were changed in the middle of the run; the scenario has the last values.
+        Options changed in the middle of the run; the scenario has the last values.
     mm_per_px : float, optional
         Length of a px of the work area on the floor (mm), from the camera's calibration. Default:
         not known.
     headings : int, optional
-        Number of headings that the robot was drawn in, at whole pixels, by a simulation. Default:
-        any, as a camera sees it, or not known.
+        Number of drawn headings of the robot, at whole pixels, in a simulation. Default: any, as in
+        a camera's view, or not known.
     unit : str
-        The unit of all lengths of the trace, and of theta_true: ``"px"``, or, as `Trace.in_unit`
-        returns them, ``"mm"``, ``"cm"``, ``"m"``.
+        The unit of all lengths of the trace, and of theta_true: ``"px"``, or, after
+        `Trace.in_unit`, ``"mm"``, ``"cm"``, ``"m"``.
 
     Examples
     --------

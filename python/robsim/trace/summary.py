@@ -1,4 +1,4 @@
-"""What a trace recorded: groups of columns, their units, and how much of them is known."""
+"""The content of a trace: groups of columns, their units, and their number of known steps."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _NAMES, _UNITS = 40, 10
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TraceSummary(Report):
-    """What a trace recorded: what `Trace.summary` returns.
+    """The content of a trace, from `Trace.summary`.
 
     Attributes
     ----------
     steps : int
         Number of steps.
-    first_step : int
+    Number of the first step.
         Number of the first one.
     dt : float
         Sample time (s).
@@ -50,7 +50,7 @@ class TraceSummary(Report):
 
     @property
     def title(self) -> str:
-        """The steps that were recorded."""
+        """The recorded steps."""
         last = self.first_step + self.steps - 1
         return f"Trace, steps {self.first_step}..{last}" if self.steps else "Trace, no steps"
 
@@ -98,7 +98,7 @@ def summary_of(groups: Mapping[str, Floats], info: RunInfo, *, first_step: int) 
 
 
 def _listed(names: list[str], room: int) -> str:
-    """Return as many of the names as there is room for."""
+    """Return as many names as fit."""
     text = ", ".join(names)
     while len(text) > room:
         names = names[:-1]

@@ -1,4 +1,4 @@
-"""How regular the frames of a run came, and how late its inputs went out: `Trace.timing`."""
+"""Regularity of a run's frames, and delay of its inputs: `Trace.timing`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SAME = 0.8  # share of intervals that make a multiple of dt the rate
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TimingReport(Report):
-    """How regular the frames of a run came, and how late its inputs went out.
+    """Regularity of a run's frames, and delay of its inputs.
 
     Attributes
     ----------
@@ -30,19 +30,19 @@ class TimingReport(Report):
     steps : int
         Steps of the record.
     rate : float
-        Frames per second, the median; NaN for a single one.
+        Frames per second, the median; NaN for a single frame.
     jitter : float
-        Standard deviation of the time between the exposures of frames that follow each other (s).
+        Standard deviation of the time between the exposures of consecutive frames (s).
     lost : int
-        Frames that were missing between two others, at the rate that came.
+        Frames missing between two others, at the actual rate.
     stopped : int
-        How often the robot was stopped; the time until the next frame is not counted.
+        Number of stops of the robot; the time until the next frame is not counted.
     interval : float
         Median time between frames, in a whole number of steps, for one step (s): dt if the frames
-        come at the rate of the model; NaN for a single one.
+        come at the rate of the model; NaN for a single frame.
     latency : array (3, 3)
-        Time from the exposure of a frame to its arrival, from there until the input went out, and
-        both together (s); columns median, 95 % of the steps are below, maximum. NaN = not known.
+        Time from the exposure of a frame to its arrival, from the arrival to the input's sending,
+        and both together (s); columns median, 95 % quantile, maximum. NaN = not known.
     """
 
     dt: float
@@ -56,14 +56,14 @@ class TimingReport(Report):
 
     @property
     def title(self) -> str:
-        """What was timed."""
+        """The subject: the frames and inputs."""
         return "Timing"
 
     @property
     def motor_delay(self) -> float:
         """The median time from the exposure of a frame until the input went out, in steps of dt.
 
-        Give it as `motor_delay` to a simulated world, to filters and to fits.
+        Use it as `motor_delay` of a simulated world, of filters and of fits.
         """
         return float(self.latency[2, 0] / self.dt)
 
@@ -96,33 +96,35 @@ class TimingReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the latency does not include, and what is amiss."""
+        """The latency's omissions, and timing problems."""
         remarks = []
         if self.jitter > _MOST_JITTER * self.dt:
             remarks.append(
-                "the frames do not come regularly: filters and fits take the time between two of "
-                f"them for whole steps of {self.dt:g} s"
+                "the frames come irregularly: filters and fits round the time between two frames "
+                f"to whole steps of {self.dt:g} s"
             )
         if self.rate * self.dt < _OTHER_RATE:
             remarks.append(
-                f"{self.rate:.3g} frames/s come, not {1 / self.dt:.3g}: the camera sends no more "
+                f"{self.rate:.3g} frames/s come, not {1 / self.dt:.3g}: the camera is slower "
                 "(in dim light webcams halve their rate), or callbacks take longer than a step; "
-                f"give the camera fps={self.rate:.3g}, or more light"
+                f"set the camera's fps={self.rate:.3g}, or add light"
             )
         elif abs(self.interval - self.dt) > _MOST_OFF * self.dt:
             remarks.append(
                 f"a step takes {self.interval:.3g} s, not the {self.dt:g} s of the model, so that "
-                "predictions and speeds are off: give the model this dt, or the camera its rate"
+                "predictions and speeds are off: set this dt in the model, or the rate of the "
+                "camera"
             )
         if self.latency[2, 1] - self.latency[2, 0] > _MOST_JITTER * self.dt:
             remarks.append(
-                "the motor delay varies; filters and fits take the same delay for each step"
+                "the motor delay varies; filters and fits use the same delay for each step"
             )
         if math.isfinite(self.motor_delay):
             remarks.append(
-                "motor delay: give it to a simulated world, to filters and to "
-                "batch_estimate; the delays of the line and of the motors are not in it: "
-                "batch_estimate(trace, method='output_error', motor_delay='fit') finds the whole"
+                "motor delay: use it for a simulated world, for filters and for "
+                "batch_estimate; it excludes the delays of the line and of the motors. For the "
+                "sum, use "
+                "batch_estimate(trace, method='output_error', motor_delay='fit')"
             )
         return tuple(remarks)
 
@@ -132,8 +134,8 @@ def timing_report(
 ) -> TimingReport:
     """Return the report of a run, from times (N,) in s; NaN = not known.
 
-    They are when frames were exposed, arrived, and inputs went out. `interrupted` (N,): the robot
-    was stopped after the step before. `dt` is the model's time of a step (s).
+    The times are of the exposure and arrival of frames, and of sent inputs. `interrupted` (N,): the
+    robot was stopped after the previous step. `dt` is the model's time of a step (s).
     """
     intervals = np.diff(t)[~interrupted[1:]]
     n_steps = np.maximum(np.rint(intervals / dt), 1)

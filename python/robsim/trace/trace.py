@@ -1,4 +1,4 @@
-"""The recorded run: its columns as arrays, slices, tables. `Simulation.run` returns one."""
+"""The recorded run: its columns as arrays, slices, tables. `Simulation.run` returns a trace."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def check_trace(trace: Any, *names: str) -> None:
 
 
 def longest_run(mask: Bools) -> slice:
-    """Return the longest unbroken run of True in (N,) as a slice; the first one of several."""
+    """Return the longest unbroken run of True in (N,) as a slice; the first of equal runs."""
     return slice(*max(runs_of(mask), key=lambda run: run[1] - run[0], default=(0, 0)))
 
 
@@ -60,12 +60,12 @@ class Trace:
     """A recorded run of N steps, read-only.
 
     Every column is a property with a row for each step; `names` and `units` list the single ones.
-    Traces are equal if their columns and their `info` are: the same seed gives an equal one.
+    Traces are equal if their columns and their `info` are: the same seed gives an equal trace.
 
     Attributes
     ----------
     info : RunInfo
-        What concerns the run as a whole.
+        Facts about the run as a whole.
     """
 
     def __init__(
@@ -143,7 +143,7 @@ class Trace:
     t_sent = Column()
 
     def _numbers(self, group: TraceGroup) -> Floats:
-        """Return the numbers of a group, or what stands for them where it was not recorded."""
+        """Return the numbers of a group, or their default if it was not recorded."""
         if group.name in self._groups:
             return self._groups[group.name].reshape(self._rows, *group.shape)
         if group.name == "t":
@@ -152,7 +152,7 @@ class Trace:
 
     @property
     def blobs(self) -> dict[str, Floats]:
-        """Per colour the centroids of the two biggest blobs (N, 2, 2), NaN where missing (px)."""
+        """Per colour the centroids of the two largest blobs (N, 2, 2), NaN if missing (px)."""
         return {
             name.removeprefix("blobs_"): rows.reshape(self._rows, 2, 2)
             for name, rows in self._groups.items()
@@ -161,9 +161,9 @@ class Trace:
 
     @property
     def missed_reasons(self) -> NDArray[np.str_]:
-        """Why the default measurement did not see the robot (N,), as `Detection` names it.
+        """Why the default measurement did not see the robot (N,), as in `Detection`.
 
-        An empty text where it did, or where nothing was measured.
+        The text is empty if it saw the robot, or without a measurement.
         """
         colors = self.info.marker_colors
         names = detection_reasons(colors) if colors else detection_reasons()
@@ -182,20 +182,19 @@ class Trace:
         return "pose_measured" in self._groups
 
     def require(self, *names: str) -> None:
-        """Raise an error unless each of some columns is known in a step at least.
+        """Raise an error unless each of some columns is known in at least one step.
 
         Parameters
         ----------
         *names : str
-            Attributes of the trace, such as ``"pose_estimated"``; or ``"theta_true"``, which
-            stands in `info`.
+            Attributes of the trace, such as ``"pose_estimated"``; or ``"theta_true"`` from `info`.
 
         Raises
         ------
         NotRecordedError
-            If one of them is not known; the error says how to record it.
+            If a column is not known; the error explains how to record it.
         ValueError
-            If there is no column of this name.
+            If a name is not a column.
         """
         missing = {}
         for name in names:
@@ -207,7 +206,7 @@ class Trace:
             raise not_recorded(missing, steps=len(self))
 
     def __getattr__(self, name: str) -> Any:
-        # Only for what is not there. Python itself asks for underscored names, before __init__ too.
+        # Only for missing attributes. Python looks up underscored names, before __init__ too.
         if not name.startswith("_") and "_groups" in vars(self):
             if name in self.names:
                 raise no_attribute(f"{name} is a column: trace[{name!r}]")
@@ -224,27 +223,27 @@ class Trace:
         """Return the run with its lengths in another unit, for reports, figures and tables.
 
         Poses, covariances, parameters and blobs change; `state` does not, as only its estimator
-        knows the units. What is computed from the trace, and drawn of it, then has that unit, too.
-        Only lengths change: (x, y) in mm is `mm_per_px` times (x, y) in px, from the same origin.
+        knows the units. Results and figures from the trace then have that unit, too. Only lengths
+        change: (x, y) in mm is `mm_per_px` times (x, y) in px, from the same origin.
 
         Parameters
         ----------
         unit : str
             ``"px"`` of the work area, ``"mm"``, ``"cm"`` or ``"m"``.
         mm_per_px : float, optional
-            Length of a px of the work area on the floor (mm). Default: that of the camera's
+            Length of a px of the work area on the floor (mm). Default: the length from the camera's
             calibration.
 
         Returns
         -------
         Trace
-            Of the same steps, with `unit` and `mm_per_px` in its `info`.
+            The same steps, with `unit` and `mm_per_px` in its `info`.
 
         Raises
         ------
         TypeError, ValueError
-            If the unit is none of them, or the length of a px is not known, or another one than
-            that of the calibration.
+            If the unit is unknown, or the length of a px is not known, or differs from the
+            calibration.
 
         Examples
         --------
@@ -267,7 +266,7 @@ class Trace:
         Raises
         ------
         ValueError
-            If `source` is none of them.
+            If `source` is unknown.
         """
         return self._numbers(GROUPS[POSES[check_choice("source", source, tuple(POSES))]])
 
@@ -287,14 +286,14 @@ class Trace:
         return np.asarray((distance > position) | (np.abs(error[:, 2]) > heading))
 
     def tracking(self) -> TrackingStatistics:
-        """Return how often the robot was seen, and how well the measurement followed the truth.
+        """Return how often the robot was seen, and the accuracy of the measurement.
 
         Returns
         -------
         TrackingStatistics
-            Steps seen, not seen, with the reasons, and false poses; the errors that measurements
-            report of themselves; root mean square and largest error of the poses that are not
-            false; median error of all.
+            Steps seen, not seen, with the reasons, and false poses. The errors that measurements
+            report. Root mean square and largest error without the false poses; median error of all
+            poses.
         """
         return tracking_statistics(
             self.error,
@@ -306,12 +305,12 @@ class Trace:
         )
 
     def timing(self) -> TimingReport:
-        """Return how regular the frames came, and how late the inputs went out.
+        """Return the regularity of the frames, and the delay of the inputs.
 
         Raises
         ------
         NotRecordedError
-            If the trace has neither `t_arrival` nor `t_sent`, as that of a simulation.
+            If the trace has neither `t_arrival` nor `t_sent`, as from a simulation.
         """
         if not (np.isfinite(self.t_arrival) | np.isfinite(self.t_sent)).any():
             self.require("t_arrival", "t_sent")
@@ -363,12 +362,14 @@ class Trace:
             )
         start, stop, stride = key.indices(self._rows)
         if stride != 1:
-            raise ValueError(f"a slice of a trace must take every step, got a stride of {stride}")
+            raise ValueError(
+                f"a slice of a trace must include every step, got a stride of {stride}"
+            )
         groups = {name: values[start:stop] for name, values in self._groups.items()}
         return Trace(groups, self.info, first_step=self._first_step + start)
 
     def summary(self) -> TraceSummary:
-        """Return what was recorded: groups of columns, units, in how many steps they are known."""
+        """Return the content: groups of columns, their units, and the number of known steps."""
         return summary_of(self._groups, self.info, first_step=self._first_step)
 
     def __str__(self) -> str:
@@ -391,9 +392,9 @@ class Trace:
         return frame
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write the single columns as CSV, one step a line; what was not recorded stays empty.
+        """Write the single columns as CSV, one step a line; missing columns stay empty.
 
-        The name of a colour that a spreadsheet would take for a formula gets a ' before it.
+        A colour name that a spreadsheet would take for a formula gets a leading '.
 
         Parameters
         ----------
@@ -403,18 +404,18 @@ class Trace:
         Raises
         ------
         OSError
-            If it cannot be written; an old file of that name is unchanged then.
+            If the file cannot be written; an old file of that name then stays unchanged.
         """
         columns = self._columns()
         write_csv(as_path(path), {name: values.tolist() for name, values in columns.items()})
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything into one file, which `load` reads back; no pickle in it.
+        """Write everything into one file without pickle, for `load`.
 
         Parameters
         ----------
         path : path
-            The file to write; by custom its name ends with ``.npz``.
+            The file to write; the usual suffix is ``.npz``.
         """
         from robsim.trace._trace_file import write_trace
 
@@ -432,7 +433,7 @@ class Trace:
 
     @staticmethod
     def _unpacked(packed: bytes, name: str) -> Trace:
-        """Return the trace of the bytes of a file; an error calls them by the name."""
+        """Return the trace from the bytes of a file; an error calls them by the name."""
         from robsim.trace._trace_file import unpack_trace
 
         return unpack_trace(packed, name, Trace._of_content)
@@ -443,7 +444,7 @@ class Trace:
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Trace:
-        """Read a trace that `save` wrote.
+        """Read a trace written by `save`.
 
         Parameters
         ----------
@@ -453,9 +454,9 @@ class Trace:
         Raises
         ------
         FileNotFoundError
-            If there is no such file.
+            If the file does not exist.
         ValueError
-            If it is damaged, or not a trace of robsim.
+            If the file is damaged, or not a trace of robsim.
         """
         from robsim.trace._trace_file import read_trace
 

@@ -1,4 +1,4 @@
-"""How often the robot was seen, and how exactly: what `Trace.tracking` returns."""
+"""Detection rate and accuracy of a run's measurement, from `Trace.tracking`."""
 
 from __future__ import annotations
 
@@ -21,44 +21,44 @@ FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingStatistics(Report):
-    """How often the robot was seen, and how well the measurement followed the truth.
+    """Detection rate and accuracy of a run's measurement.
 
     Attributes
     ----------
     steps : int
         Steps of the record.
     seen : int
-        Steps in which the robot was found.
+        Steps with a detected robot.
     false_poses : int
-        Steps seen with a pose more than 10 px or 20 degrees off.
+        Seen steps with a pose more than 10 px or 20 degrees off.
     rmse_xy : float
-        sqrt(mean(dx^2 + dy^2)) over the poses that are not false (in `unit`); NaN if there are
-        none, or the truth is not known.
-    rmse_heading_deg : float
-        Root mean square of the heading error over the poses that are not false (degrees).
-    median_xy : float
-        Median of sqrt(dx^2 + dy^2) over all steps seen, false poses included (in `unit`); NaN if
+        sqrt(mean(dx^2 + dy^2)) over the correct poses (in `unit`); NaN without correct poses, or if
         the truth is not known.
+    rmse_heading_deg : float
+        Root mean square of the heading error over the correct poses (degrees).
+    median_xy : float
+        Median of sqrt(dx^2 + dy^2) over all seen steps, with false poses (in `unit`); NaN if the
+        truth is not known.
     median_heading_deg : float
-        Median of the absolute heading error over all steps seen (degrees).
+        Median of the absolute heading error over all seen steps (degrees).
     largest_xy : float
-        Largest sqrt(dx^2 + dy^2) of the poses that are not false (in `unit`).
+        Largest sqrt(dx^2 + dy^2) of the correct poses (in `unit`).
     largest_heading_deg : float
-        Largest absolute heading error of the poses that are not false (degrees).
+        Largest absolute heading error of the correct poses (degrees).
     unit : str
-        The unit of lengths: ``"px"`` of the work area, or that of `Trace.in_unit`.
+        The unit of lengths: ``"px"`` of the work area, or from `Trace.in_unit`.
     position_limit : float
-        Farther from the truth than this, a pose is false: 10 px (in `unit`).
+        A pose farther from the truth is false: 10 px (in `unit`).
     missed : dict of str to int
         Steps in which the default measurement did not see the robot, by reason, the most frequent
         first.
     reported_xy : float
-        Median of the standard deviation in place that measurements report of themselves,
-        sqrt(P[0, 0] + P[1, 1]) of their covariance P (in `unit`); NaN if they report none.
+        Median of the position's standard deviation reported by measurements, sqrt(P[0, 0] + P[1,
+        1]) of their covariance P (in `unit`); NaN without reports.
     reported_heading_deg : float
-        Median of the standard deviation of the heading that they report (degrees).
+        Median of the reported standard deviation of the heading (degrees).
     drawn_headings : int or None
-        Number of headings that the robot was drawn in, if it is known.
+        Number of drawn headings of the robot, if known.
 
     Examples
     --------
@@ -86,12 +86,12 @@ class TrackingStatistics(Report):
 
     @property
     def title(self) -> str:
-        """What was tracked."""
+        """The subject: the tracking."""
         return "Tracking" if self.seen else "Tracking, never seen"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Steps seen and not seen, false poses, errors, and those that are reported."""
+        """Steps seen and not seen, false poses, true errors and reported errors."""
         return (
             Quantity("steps", "steps", self.steps),
             Quantity("seen", "seen", self.seen, format=lambda n: count(n, self.steps)),
@@ -101,14 +101,14 @@ class TrackingStatistics(Report):
         )
 
     def _not_seen(self) -> tuple[Quantity, ...]:
-        """Return the steps not seen, with the reasons where they are known."""
+        """Return the steps not seen, with known reasons."""
         reasons = ", ".join(f"{reason} {steps}" for reason, steps in self.missed.items())
         text = f": {reasons}" if reasons else ""
         missed = self.steps - self.seen
         return (Quantity("not_seen", "not seen", missed, format=lambda n: f"{n}{text}"),)
 
     def _errors(self) -> tuple[Quantity, ...]:
-        """Return the errors, whose truth may not be known."""
+        """Return the errors; the truth may be unknown."""
         false_poses = None if self._is_truth_unknown else self.false_poses
         return (
             Quantity("false_poses", "false poses", false_poses),
@@ -121,7 +121,7 @@ class TrackingStatistics(Report):
         return () if math.isnan(self.reported_xy) else self._pair("reported", "reported error")
 
     def _pair(self, key: str, title: str) -> tuple[Quantity, Quantity]:
-        """Return an error of the position and that of the heading."""
+        """Return an error of the position and one of the heading."""
         xy, heading = f"{key}_xy", f"{key}_heading_deg"
         length = length_format(self.unit, 3)
         return (
@@ -135,7 +135,7 @@ class TrackingStatistics(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Why there are no errors, or such large ones, and what the words mean."""
+        """Reasons for missing or large errors, and the meaning of the words."""
         if self.steps and not self.seen:
             if self.missed:
                 return ("no pose was measured: the robot was detected in no frame",)
@@ -155,28 +155,31 @@ class TrackingStatistics(Report):
         limit = format(self.position_limit, ".3g")
         yield (
             f"a pose more than {limit} {self.unit} or 20 deg off is false: rmse and largest error "
-            "are those of the other poses, the median is that of all"
+            "use only the other poses, the median uses all"
         )
-        # The positions are right: it is the headings that make the poses false.
+        # The positions are right, so only the headings make the poses false.
         if 2 * self.false_poses > self.seen and self.median_xy < self.position_limit:
             yield (
-                "the positions are right, the headings are not: is the heading of the Measurement "
+                "the positions are right, but the headings are wrong: is the heading of the "
+                "Measurement "
                 "in rad, and does it grow from +x towards +y?"
             )
 
     def _on_reports(self) -> Iterator[str]:
         if not math.isnan(self.reported_xy):
             yield (
-                "the reported error is the standard deviation that a measurement gives itself, "
-                "the median of all. If it is right, it is as large as the rmse and, of the "
-                "position, 1.2 times the median error; a larger rmse alone is of a few poses"
+                "the reported error is the median standard deviation from the measurements. A "
+                "correct "
+                "one is as large as the rmse, and for the "
+                "position, 1.2 times the median error; a larger rmse alone comes from a few poses"
             )
         if self.drawn_headings is not None and self.seen:
             turn = 360 / self.drawn_headings
             yield (
                 f"the robot was drawn in {self.drawn_headings} headings, at whole pixels of the "
-                f"frame: that alone is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of the "
-                "frame in each measurement; headings=None draws it as it stands"
+                f"frame: this rounding is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of "
+                "the "
+                "frame in each measurement; headings=None draws the robot at its exact pose"
             )
 
 
@@ -192,8 +195,8 @@ def tracking_statistics(
     """Return the statistics of measured poses.
 
     `error` (N, 3) is measured minus true (unit of the trace, rad), `reported` (N, 3, 3) are the
-    covariances, NaN = none. `seen`, `is_false` (N,): steps with a measured pose, with a false one;
-    `reasons` (N,): why the robot was not seen.
+    covariances, NaN = missing. `seen`, `is_false` (N,): steps with a measured pose, with a false
+    one; `reasons` (N,): why the robot was not seen.
     """
     distance = np.hypot(error[:, 0], error[:, 1])
     turn = np.rad2deg(np.abs(error[:, 2]))

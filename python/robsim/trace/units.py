@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 
 UNITS = ("px", *_MM)
-"""The units that lengths can have; px are those of the work area."""
+"""The units of lengths; px are pixels of the work area."""
 
 
 def px_length(unit: str, mm_per_px: float | None) -> float:
@@ -32,36 +32,37 @@ def px_length(unit: str, mm_per_px: float | None) -> float:
         return 1.0
     if mm_per_px is None:
         raise ValueError(
-            f"unit must be 'px', got {quoted(unit)}: the camera was not calibrated, so it is not "
-            "known how long a px is on the floor; give mm_per_px=..., or a calibration to the run"
+            f"unit must be 'px', got {quoted(unit)}: without a calibration of the camera the "
+            "length "
+            "of a px on the floor is unknown; give mm_per_px=..., or a calibration to the run"
         )
     return check_mm_per_px(mm_per_px) / _MM[unit]
 
 
 def length_format(unit: str, digits: int) -> str:
-    """Return how lengths are printed: with so many digits behind the point in px and mm."""
+    """Return the format of lengths: with so many decimals in px and mm."""
     return f".{digits + {'cm': 1, 'm': 3}.get(unit, 0)}f"
 
 
 def in_unit(text: str, unit: str) -> str:
-    """Return a unit such as ``"px/V"`` with another one of length in it."""
+    """Return a unit such as ``"px/V"`` with another unit of length."""
     return text.replace("px", unit)
 
 
 def parameter_units(unit: str) -> dict[str, str]:
-    """Return the units of the 15 parameters, by their names, with one of length in them."""
+    """Return the units of the 15 parameters, by their names, with another unit of length."""
     return {name: in_unit(of, unit) for name, of in GROUPS["parameters"].units.items()}
 
 
 def converted(
     groups: Mapping[str, Floats], info: RunInfo, *, unit: str, mm_per_px: float | None
 ) -> tuple[dict[str, Floats], RunInfo]:
-    """Return groups (N, width) and info with lengths in another unit, as `Trace.in_unit`."""
+    """Return groups (N, width) and info with lengths in another unit, as in `Trace.in_unit`."""
     if mm_per_px is None:
         mm_per_px = info.mm_per_px
     elif info.mm_per_px not in (None, check_mm_per_px(mm_per_px)):
         raise ValueError(
-            f"mm_per_px must be {info.mm_per_px:g}, as the run has it, or left out, got "
+            f"mm_per_px must be {info.mm_per_px:g}, as in the run, or omitted, got "
             f"{quoted(mm_per_px)}"
         )
     factor = px_length(unit, mm_per_px) / info.px_length
@@ -80,6 +81,6 @@ def scaled(group: str, values: Floats, factor: float) -> Floats:
 
 
 def _exponent(unit: str) -> int:
-    """Return how often a length is a factor of a unit: 2 of ``"px px"``, -1 of ``"1/px"``."""
+    """Return the exponent of length in a unit: 2 for ``"px px"``, -1 for ``"1/px"``."""
     above, _, below = unit.partition("/")
     return above.split().count("px") - below.split().count("px")

@@ -1,1 +1,1 @@
-"""Ways to do the runs of a campaign: here, in threads, in processes, in any executor."""
+"""Engines for the runs of a campaign: here, in threads, in processes, in any executor."""

@@ -1,4 +1,4 @@
-"""The runs of a campaign as work for an engine, in chunks: handing them over costs little."""
+"""The runs of a campaign as work for an engine, in chunks with a low transfer cost."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from robsim.campaigns.choices import Folder
 from robsim.campaigns.runs import Job, Row, Worker
 from robsim.campaigns.spec import CampaignSpec
 
-SECONDS = 0.25  # of a chunk: what is lost when a worker, or the whole program, is killed
+SECONDS = 0.25  # of a chunk: the loss when a worker, or the whole program, is killed
 _MOST = 500  # runs
 
 #: The error of a run whose process dies.
-DIED = "WorkerDied: the worker process ended in this run, whenever it was tried"
+DIED = "WorkerDied: the worker process ended in this run at each attempt"
 
 
 @dataclass(frozen=True)
 class CampaignWork:
-    """What is sent to those who do the runs of a campaign."""
+    """The work of a campaign, as sent to its workers."""
 
     spec: CampaignSpec
 
@@ -35,7 +35,7 @@ class CampaignWork:
 
 
 def check_can_be_sent(spec: CampaignSpec) -> None:
-    """Raise TypeError for code that other processes cannot be sent."""
+    """Raise TypeError for code that cannot be sent to other processes."""
     parts: list[tuple[str, object]] = [
         (f"vary: {name} {label!r}", choice)
         for name, choices in spec.vary.items()
@@ -61,7 +61,7 @@ def size_for(seconds: float) -> int:
 
 
 class Chunks:
-    """The runs that are still to be done, in their order: case and number of each.
+    """The remaining runs, in their order: case and number of each.
 
     So many of them stay `together`.
     """
@@ -71,13 +71,13 @@ class Chunks:
         self._runs, self._seconds = 0, 0.0
 
     def take(self) -> list[Job]:
-        """Take the next chunk; empty = nothing is left."""
+        """Take the next chunk; empty = no runs are left."""
         groups = math.ceil(self._size / self._together)
         return list(islice(self._jobs, groups * self._together))
 
     def note(self, rows: Sequence[Row]) -> None:
-        """Learn from the rows of a chunk how many runs the next ones may have."""
-        # What is long ago counts less: another case may take another time.
+        """Learn from the rows of a chunk how many runs the next chunks may have."""
+        # Old durations count less, because cases differ in duration.
         self._runs = self._runs // 2 + len(rows)
         self._seconds = self._seconds / 2 + sum(row.seconds for row in rows)
         self._size = size_for(self._seconds / self._runs)

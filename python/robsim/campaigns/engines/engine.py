@@ -1,4 +1,4 @@
-"""The engine of a campaign: what `executor` may be, and how each does the runs."""
+"""The engine of a campaign: the values of `executor`, and their ways to do the runs."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def engine_value(executor: Any) -> Engine:
         f"a Dask Client, got {quoted(executor)}"
     )
     if callable(getattr(executor, "get_client", None)):
-        expected += ": give its client, from get_client()"
+        expected += ": use its client, from get_client()"
     raise ValueError(expected) if isinstance(executor, str) else TypeError(expected)
 
 
 def rows_by(
     engine: Engine, work: Work[JobT, RowT], chunks: Supply[JobT, RowT]
 ) -> Generator[list[RowT], None, None]:
-    """Yield the rows of all jobs, in the order in which they are done."""
+    """Yield the rows of all jobs, in their order of completion."""
     if engine is None:
         yield from _rows_here(work, chunks)
         return

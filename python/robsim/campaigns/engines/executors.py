@@ -10,16 +10,16 @@ from typing import Any, Generic, Protocol, TypeGuard
 
 from robsim.campaigns.engines.work import JobT, RowT, Supply, Work
 
-_WORKERS_OF_UNKNOWN = 64  # of an executor that does not say how many it has
-_EACH = 2  # chunks of a worker, so that the next one waits for it
-_PATIENCE = 1.0  # s for which a cluster is taken to stay as large as it is
+_WORKERS_OF_UNKNOWN = 64  # of an executor with an unknown number of workers.
+_EACH = 2  # chunks of a worker, so that the next one waits for it.
+_PATIENCE = 1.0  # s for which the size of a cluster counts as constant
 
 
 class DaskClient(Protocol):
-    """What is needed of a `distributed.Client`; Dask itself is not imported."""
+    """The required part of a `distributed.Client`; Dask itself is not imported."""
 
     def get_executor(self, *, pure: bool) -> Executor:
-        """Return what gives futures of the standard library."""
+        """Return an executor with futures of the standard library."""
 
     def submit(self, function: Any, /, *args: Any, pure: bool) -> Any:
         """Return a future of Dask, which may be an argument of others."""
@@ -38,15 +38,15 @@ class Workers(Generic[JobT, RowT]):
         self._sent: Any = work if sent is None else sent
 
     def room(self) -> int:
-        """Return how many chunks they may have at a time."""
+        """Return the maximum number of simultaneous chunks."""
         return _EACH * int(getattr(self._executor, "_max_workers", None) or _WORKERS_OF_UNKNOWN)
 
     def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
-        """Hand over a chunk: as bytes, for Dask looks into each tuple of a list for its futures."""
+        """Submit a chunk as bytes, because Dask searches the tuples of a list for its futures."""
         return self._executor.submit(_rows_of, self._sent, pickle.dumps(jobs))
 
     def is_death(self, error: Exception, /) -> bool:
-        """Whether Dask gave a chunk up; an executor that is broken stays so."""
+        """Whether Dask dropped a chunk; a broken executor stays broken."""
         if not any(kind.__name__ == "KilledWorker" for kind in type(error).__mro__):
             return False
         # Without what all chunks need, none of them is to blame.
@@ -83,9 +83,9 @@ def rows_of_workers(
 ) -> Generator[list[RowT], None, None]:
     """Yield the rows of all chunks.
 
-    A worker that dies takes chunks with it that are not to blame. All that are in flight are few;
-    the runs of those that are lost are done again one by one, alone. Not by halves: the chunk of a
-    run that kills would cost a worker each time.
+    A dying worker loses chunks, also innocent ones. Few chunks are in flight, and the runs of lost
+    chunks are repeated one by one, alone. Bisection would be worse: the chunk of a killing run
+    would cost a worker each time.
     """
     flying: dict[Future[list[RowT]], list[JobT]] = {}
     lost: list[JobT] = []
@@ -112,7 +112,7 @@ def rows_of_workers(
 
 
 def _alone(workers: Workers[JobT, RowT], job: JobT) -> list[RowT]:
-    """Do one job, and return its row; a job that kills its worker has one, too."""
+    """Do one job, and return its row, also for a job that kills its worker."""
     for _ in range(workers.deaths):
         future = workers.submit([job])
         try:
@@ -136,15 +136,15 @@ def _rows_unless_lost(
 
 
 def is_dask_client(value: Any) -> TypeGuard[DaskClient]:
-    """Whether a value is a Dask client, by its methods; raise for one of no use."""
+    """Whether a value is a Dask client, by its methods; raise for an unusable one."""
     names = ("get_executor", "submit", "nthreads")
     if isinstance(value, type) or not all(callable(getattr(value, n, None)) for n in names):
         return False
     if getattr(value, "asynchronous", False):
         raise ValueError(
             "executor is a Dask client with asynchronous=True, whose event loop would wait for "
-            "itself: give one without"
+            "itself: use one without"
         )
     if (status := getattr(value, "status", "running")) != "running":
-        raise ValueError(f"executor is a Dask client that is {status}: give one that is connected")
+        raise ValueError(f"executor is a Dask client that is {status}: use a connected one")
     return True

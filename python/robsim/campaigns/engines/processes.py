@@ -22,7 +22,7 @@ _STARTS = 5  # of a pool, before there is something else wrong
 
 
 class Processes(Workers[JobT, RowT]):
-    """A pool of processes that is replaced when it is broken, as it is by any that dies."""
+    """A pool of processes, replaced after the death of any process breaks it."""
 
     deaths = 2
 
@@ -37,7 +37,7 @@ class Processes(Workers[JobT, RowT]):
             stream.write(content)
 
     def close(self) -> None:
-        """End for good."""
+        """End permanently."""
         self.end()
         with suppress(OSError):
             os.unlink(self._file)
@@ -49,7 +49,7 @@ class Processes(Workers[JobT, RowT]):
         return isinstance(error, _LOST)
 
     def submit(self, jobs: list[JobT], /) -> Future[list[RowT]]:
-        """Hand over a chunk; a broken pool is replaced."""
+        """Submit a chunk; a broken pool is replaced."""
         for _ in range(_STARTS):
             try:
                 if self._pool is None:
@@ -58,9 +58,9 @@ class Processes(Workers[JobT, RowT]):
             except _LOST:
                 self.end()
         raise RuntimeError(
-            "executor: the worker processes end as soon as they begin; a program that is a file "
-            "must call this below the line `if __name__ == '__main__':`, and what other "
-            "programs define as they run must lie in a module"
+            "executor: the worker processes end at once; a program in a file "
+            "must call this below the line `if __name__ == '__main__':`, and other programs must "
+            "put their own classes and functions into a module"
         )
 
     def _begun(self) -> ProcessPoolExecutor:
@@ -75,7 +75,7 @@ class Processes(Workers[JobT, RowT]):
         return pool
 
     def end(self) -> None:
-        """End the processes, in the middle of their runs if need be."""
+        """End the processes, if necessary in the middle of their runs."""
         pool, self._pool = self._pool, None
         if pool is None:
             return
@@ -87,7 +87,7 @@ class Processes(Workers[JobT, RowT]):
 
 
 def end_copy() -> None:
-    """End a worker that runs a program without a main guard again: its parent raises the error."""
+    """End a worker that would rerun a program without a main guard: its parent raises the error."""
     if getattr(multiprocessing.current_process(), "_inheriting", False):
         os._exit(1)
 
@@ -96,7 +96,8 @@ _doer: Callable[[Any], Any] | None = None  # of this process, if it is one of a 
 
 
 def _begin(file: str) -> None:
-    """Begin a worker process: Ctrl-C is for its parent, and it ends with that."""
+    """Initialise a worker process: Ctrl-C goes to its parent, and the worker ends with its
+    parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(file,), daemon=True).start()
     global _doer

@@ -1,4 +1,4 @@
-"""What engines do: jobs of some work, handed out in chunks, each of which gives a row."""
+"""The work of engines: jobs, submitted in chunks; each job gives a row."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ _Made = TypeVar("_Made", covariant=True)
 
 
 class Work(Protocol[_Given, _Made]):
-    """All that jobs have in common: a value that is sent to those who do them."""
+    """The common part of all jobs: a value sent to the workers."""
 
     def doer(self) -> Callable[[_Given], _Made]:
-        """Return what does jobs, one after the other."""
+        """Return a function that does jobs, one after the other."""
 
     def lost(self, job: _Given, /) -> _Made:
-        """Return the row of a job whose process ends, whenever it is tried."""
+        """Return the row of a job whose process ends at each attempt."""
 
 
 class Supply(Protocol[JobT, _Given]):
-    """The jobs that are still to be done."""
+    """The remaining jobs."""
 
     def take(self) -> list[JobT]:
-        """Take the next chunk; empty = none is there, or not yet."""
+        """Take the next chunk; empty = no jobs now."""
 
     def note(self, rows: Sequence[_Given], /) -> None:
-        """Be told of the rows of a chunk."""
+        """Receive the rows of a chunk."""

@@ -26,7 +26,7 @@ app = command_group("Start with: robsim sessions video robsim-live/session-1.mca
 File = Annotated[Path, "SESSION: File of a session."]
 _SAID = {
     "whole": "is complete: nothing was done",
-    "completed": "was cut off, and is now complete",
+    "completed": "was cut off, and is now completed",
     "in use": "is being written, or cannot be locked: nothing was done",
     "damaged": "has damage that a killed writer does not cause: nothing was done",
 }

@@ -30,9 +30,9 @@ def plot_campaign(
 ) -> Axes:
     """Draw a number of a campaign.
 
-    With `over`: its mean over the values of an option, with the band of its 95 % confidence
-    interval; a line for each combination of the others. Without: a box for each case, whose line is
-    the median, whose ends are the quartiles; grey lines join the runs with the same seed.
+    With `over`, the chart shows its mean over the values of an option, with the band of its 95 %
+    confidence interval. Each combination of the other options has a line. Without `over`, each case
+    has a box with the median and the quartiles; grey lines join the runs with the same seed.
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ def plot_campaign(
         From `robsim.campaign`.
     metric : str
         One of ``result.metrics``.
-    over : str, optional
+    An option with numbers as labels.
         An option whose labels are numbers.
-    ax : matplotlib.axes.Axes, optional
+    Axes to draw in. Default: a new figure of 6 x 3.6 inches.
         Where to draw. Default: a new figure of 6 x 3.6 inches.
 
     Returns
@@ -53,8 +53,8 @@ def plot_campaign(
     Raises
     ------
     TypeError, ValueError
-        If `result` is not a CampaignResult, has no such metric or option, no run that did not fail,
-        or if the labels of the option are no numbers.
+        If `result` is not a CampaignResult, has no such metric or option, or has only failed runs.
+        If the labels of the option are no numbers.
 
     Examples
     --------
@@ -69,13 +69,13 @@ def plot_campaign(
     """
     check_source("result", result, CampaignResult)
     if not result.metrics:
-        raise ValueError("result has no numbers to draw: all runs failed; print(result) says why")
+        raise ValueError("result has no numbers to draw: all runs failed; see print(result)")
     check_choice("metric", metric, result.metrics)
     if over is not None:
         check_choice("over", over, tuple(result.spec.vary))
         if result[over].dtype.kind not in "iuf":
             raise ValueError(
-                f"over must be an option whose labels are numbers, got {quoted(over)}, with the "
+                f"over must be an option with numbers as labels, got {quoted(over)}, with the "
                 f"labels {listed(map(str, result.spec.vary[over]))}; in vary, a dict of number to "
                 "value gives labels, such as {10: robsim.GaussianNoise(10), 20: ...}"
             )

@@ -34,11 +34,11 @@ def plot_color_histograms(
     color : ColorClass
         The class; its ranges are shaded.
     others : array_like (3, 256), optional
-        Histograms to compare with, such as those of the whole image.
+        Histograms for comparison, such as from the whole image.
     picture : str, optional
         Name of the image, for the title.
     axes : array_like (3,) of matplotlib.axes.Axes, optional
-        Where to draw: Y, U, V. Default: a new figure.
+        Axes to draw in: Y, U, V. Default: a new figure.
 
     Returns
     -------

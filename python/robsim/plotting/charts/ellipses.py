@@ -36,22 +36,22 @@ def plot_ellipses(
     """Draw the covariance of the estimated position as ellipses along the path.
 
     The true position should lie in its ellipse in 95 % of the steps; an ellipse that misses it is
-    red. Ellipses are often too small to be seen beside a path, so they can be drawn larger: the
-    paths stay where they are, and the colour is that of the ellipse in its true size. An ellipse
-    much larger than the path and the others, such as that of a robot not seen yet, is omitted.
+    red. Ellipses are often too small to be visible along a path, so they can be magnified: the
+    paths stay unchanged, and the colour refers to the true size. Huge ellipses, such as of a robot
+    not seen yet, are omitted.
 
     Parameters
     ----------
     trace : Trace
         A run with a state estimator.
     every : int, optional
-        Draw every n-th ellipse. Default: about 25 of them.
+        Draw every n-th ellipse. Default: about 25 ellipses.
     level : float
         Probability that the true position lies in its ellipse.
     magnify : float, optional
-        Factor by which the ellipses are drawn larger. Default: one that makes them visible.
+        Magnification of the ellipses. Default: a factor that makes them visible.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. Default: a new figure of 7 x 7 inches.
+        Axes to draw in. Default: a new figure of 7 x 7 inches.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def plot_ellipses(
 def ellipses(covariances: Floats, level: float) -> Floats:
     """Return corners (N, 48, 2) of ellipses around 0 that contain the fraction `level`.
 
-    It is of normal distributions; `covariances` (N, 2, 2) with a negative eigenvalue raise
+    It is for normal distributions; `covariances` (N, 2, 2) with a negative eigenvalue raise
     ValueError.
     """
     eigenvalues, axes = np.linalg.eigh(covariances)
@@ -213,7 +213,7 @@ def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Ax
     report : ConsistencyReport
         From `pose_consistency`, `nees_consistency` or `nis_consistency`.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. Default: a new figure of 8 x 3.2 inches.
+        Axes to draw in. Default: a new figure of 8 x 3.2 inches.
 
     Returns
     -------

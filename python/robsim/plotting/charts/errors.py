@@ -35,8 +35,8 @@ _FEW_ERRORS = 8
 def draw_errors(panel: Axes, k: NDArray[np.int64], errors: Floats, *, color: str) -> None:
     """Draw errors (N,) over the steps k (N,), so that they can be distinguished; NaN = not known.
 
-    Dots with a line; above 300 steps dots alone, which are no solid ink. Above 3000 steps the range
-    of the errors, and within it the range of their middle 68 %.
+    Dots with a line; above 300 steps only dots, so that they do not merge. Above 3000 steps the
+    range of the errors, and within it the range of their middle 68 %.
     """
     if len(k) > style.MANY_STEPS:
         _draw_ranges(panel, k, errors, color)
@@ -73,7 +73,7 @@ def limit_panel(
 ) -> None:
     """Set limits that contain 0 and all errors but outliers, which become triangles at the edge.
 
-    A band around 0, of half that width, is to be seen, too, unless it is so wide that the errors
+    A band around 0, of half that width, stays visible, too, unless it is so wide that the errors
     would be a line. NaN = not known.
     """
     low, high = usual_limits(errors[np.isfinite(errors)], unit)
@@ -126,13 +126,13 @@ def plot_errors(
     Parameters
     ----------
     report : ErrorReport
-        From `robsim.pose_errors` or `robsim.estimation.estimation_errors`; of several runs all
-        errors are drawn.
+        From `robsim.pose_errors` or `robsim.estimation.estimation_errors`; all errors of several
+        runs are drawn.
     bound : array (N, n, n), optional
         Minimum covariance in each step, from `robsim.estimation.pose_bounds`; for several runs
         their mean.
     axes : array_like (n, 2) of matplotlib.axes.Axes, optional
-        Where to draw: errors on the left, histograms on the right. Default: a new figure.
+        Axes to draw in: errors on the left, histograms on the right. Default: a new figure.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""`plot_parameters`: how the online parameter estimates converge."""
+"""`plot_parameters`: the convergence of the online parameter estimates."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def plot_parameters(
 ) -> Figure:
     """Draw the errors of the 15 online parameter estimates over the steps, on a logarithmic axis.
 
-    A curve that falls converges; one that levels off is biased, or follows the noise. The errors
-    are relative to the true values, those of d1, which may be 0, absolute. The true values and
-    the last estimates stand beside the curves, with a note where the run excites a parameter
-    poorly or not at all, from `robsim.identifiability`: this is about the spread of the estimate by
-    noise, not about its bias. Where the truth is not known, the deviations are those from the last
-    estimates: they show when the estimates settle, not how good they are.
+    A falling curve converges; a level curve is biased, or follows the noise. The errors are
+    relative to the true values; the errors of d1, which may be 0, are absolute. The true values and
+    the last estimates stand next to the curves. A note marks parameters that the run excites poorly
+    or not at all, from `robsim.identifiability`. It concerns the spread of the estimate from noise,
+    not its bias. If the truth is not known, the deviations are from the last estimates: they show
+    when the estimates settle, not their accuracy.
 
     Parameters
     ----------
@@ -51,10 +51,10 @@ def plot_parameters(
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
         Standard errors of the estimates in each step, such as ``trace.standard_errors_unscaled``
-        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``: two of them are drawn as a
-        dashed line, below which 95 % of the errors should lie; inf = no line.
+        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``. Twice the standard error is
+        drawn as a dashed line, below which 95 % of the errors should lie; inf = no line.
     axes : array_like (3,) of matplotlib.axes.Axes, optional
-        Where to draw: x, y, heading. Default: a new figure.
+        Axes to draw in: x, y, heading. Default: a new figure.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def plot_parameters(
 
 
 def relative_scale(true: Floats) -> Floats:
-    """Return what errors of a1, a2, b1, b2, d1 are divided by: 1 for d1 and for a true 0."""
+    """Return the divisors of errors of a1, a2, b1, b2, d1: 1 for d1 and for a true 0."""
     scale = np.abs(true)
     scale[..., _D1] = 1.0
     scale[(scale == 0) | np.isnan(scale)] = 1.0

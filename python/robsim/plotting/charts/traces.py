@@ -25,10 +25,9 @@ def plot_traces(
 ) -> Figure:
     """Draw poses, measurement errors with their histograms, and the path.
 
-    The line of the truth lies on the dots of the measurement. Errors are measured minus true; their
-    histograms are of all steps in which the robot was seen, and the bell curve is the normal
-    distribution of the same mean and standard deviation. Outliers are drawn as triangles at the
-    edge.
+    The line of the truth lies on the dots of the measurement. Errors are measured minus true. Their
+    histograms include all steps with a seen robot, and the bell curve is the normal distribution
+    with the same mean and standard deviation. Outliers are drawn as triangles at the edge.
 
     Parameters
     ----------
@@ -38,9 +37,8 @@ def plot_traces(
     show_blobs : bool
         Also draw the centroids of the two largest blobs of each colour.
     axes : dict of str to matplotlib.axes.Axes, optional
-        Where to draw, as `Figure.subplot_mosaic` returns it: x, y, heading, path; for the errors
-        dx, dy, dheading and their histograms dx bins, dy bins, dheading bins. Default: a new
-        figure.
+        Axes to draw in, from `Figure.subplot_mosaic`: x, y, heading, path; for the errors dx, dy,
+        dheading and their histograms dx bins, dy bins, dheading bins. Default: a new figure.
 
     Returns
     -------
@@ -51,7 +49,7 @@ def plot_traces(
     Raises
     ------
     TypeError, ValueError
-        If `trace` is not a Trace or has no steps, or one of the axes is missing.
+        If `trace` is not a Trace or has no steps, or a required axes is missing.
 
     Examples
     --------
@@ -133,7 +131,7 @@ def draw_all_poses(panels: Sequence[Axes], trace: Trace, show_blobs: bool) -> No
     _draw_poses(panels, k, trace.pose_measured, color=style.MEASURED, label="measured", **dots)
     if show_blobs:
         _draw_blobs(panels[:2], trace)
-    # Below the lines, and smaller in a long run, of which they would hide the path.
+    # Below the lines, and smaller in a long run, because they would hide the path.
     dots["markersize"] = size if len(trace) <= style.SOME_STEPS else 0.6 * size
     _draw_poses(panels, k, held, color=style.HELD, label="not seen: last pose held", **dots)
     line: dict[str, Any] = {"marker": style.line_marker(len(trace))}
@@ -193,7 +191,7 @@ def _draw_blobs(panels: Sequence[Axes], trace: Trace) -> None:
 
 
 def draw_plan(axes: Axes, trace: Trace) -> None:
-    """Draw the work area from above: the path, true and measured, and where it starts."""
+    """Draw the work area from above: the path, true and measured, and its start."""
     path = trace.pose_true[:, :2]
     style.draw_path(axes, path, trace.pose_measured[:, :2])
     axes.plot(

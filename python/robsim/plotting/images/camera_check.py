@@ -1,4 +1,4 @@
-"""`plot_camera_check`: what a camera sees of the robot, and what is to be said of it."""
+"""`plot_camera_check`: a camera's view of the robot, and the findings."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _NEAR = 0.75  # of the robot's size, around its centre
 
 @style.applied
 def plot_camera_check(check: CameraCheck) -> Figure:
-    """Draw the frame that a camera was judged by, the robot from near, and the findings.
+    """Draw the frame of a camera check, a close-up of the robot, and the findings.
 
     Parameters
     ----------
     check : robsim.lab.CameraCheck
-        The check, as `robsim.lab.check_camera` returns it.
+        The check, from `robsim.lab.check_camera`.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def plot_camera_check(check: CameraCheck) -> Figure:
     Raises
     ------
     TypeError
-        If `check` is something else.
+        If `check` has another type.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def plot_camera_check(check: CameraCheck) -> Figure:
     """
     if not hasattr(check, "findings"):
         raise TypeError(
-            "check must be a CameraCheck, as robsim.lab.check_camera(camera) returns it, got "
+            "check must be a CameraCheck, the result of robsim.lab.check_camera(camera), got "
             f"{quoted(check)}"
         )
     figure = style.NotebookFigure(figsize=(11, 7))

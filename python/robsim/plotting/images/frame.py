@@ -34,32 +34,33 @@ def plot_frame(
     k: int | None = None,
     goals: ArrayLike | None = None,
 ) -> Axes:
-    """Draw a camera frame with the results of the vision on it.
+    """Draw a camera frame with the vision results on it.
 
-    The axes are in work-area pixels; if the camera looks at the plane at an angle, so that the
-    frame is not a rectangle there, they are in pixels of the frame.
+    The axes are in work-area pixels. For an oblique view of the plane, in which the frame is not a
+    rectangle, they are in pixels of the frame.
 
     Parameters
     ----------
     frame : Frame
         The image with its plane map.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. Default: a new figure of 7 x 7 inches.
+        Axes to draw in. Default: a new figure of 7 x 7 inches.
     blobs : dict of str to sequence of Blob, optional
         The blobs of each colour, as from `robsim.find_blobs`: each gets its bounding box and a
         cross.
     measurement : Measurement, optional
-        The measured pose: a line from the centre along the heading. With `blobs`, but without it,
-        the figure says "not seen".
+        The measured pose: a line from the centre along the heading. With `blobs` and no
+        measurement, the figure shows "not seen".
     outline : array_like (N, 2), optional
-        Outline of the robot in its own axes, x forward and y to the right (work-area px), drawn at
-        the measured pose, or else at the end of the path. Default: with `trace`, that of its robot.
+        Outline of the robot in its own axes, x forward and y to the right (work-area px). It is
+        drawn at the measured pose, or else at the end of the path. Default: with `trace`, the
+        outline of its robot.
     trace : Trace, optional
         The run whose path is drawn, up to the robot with its heading at the end.
     k : int, optional
         The last step of `trace` to draw. Default: the whole path.
     goals : array_like (2,), (3,) or (N, 2), optional
-        The position, the pose or the positions that the robot is to reach (work-area px), drawn as
+        The position, the pose or the positions that the robot should reach (work-area px), drawn as
         rings; an arrow is the heading of a pose.
 
     Returns
@@ -131,7 +132,7 @@ def _part(trace: Trace | None, k: int | None) -> Trace | None:
     """Return the trace up to step k."""
     if trace is None:
         if k is not None:
-            raise ValueError(f"k needs a trace, got k = {k} and no trace")
+            raise ValueError(f"k requires a trace, got k = {k} and no trace")
         return None
     check_source("trace", trace, Trace)
     trace = trace.in_unit("px")
@@ -152,7 +153,7 @@ def _draw_path(axes: Axes, trace: Trace, from_world: _Map) -> None:
 
 
 def _outline_of(trace: Trace) -> Floats | None:
-    """Return the outline of the robot of a run, if a robot of that name is still there."""
+    """Return the outline of the robot of a run, if a robot of that name still exists."""
     try:
         robot = load_robot(trace.info.robot)
     except (OSError, ValueError):
@@ -161,7 +162,7 @@ def _outline_of(trace: Trace) -> Floats | None:
 
 
 def _draw_end(axes: Axes, trace: Trace, outline: Floats | None, from_world: _Map) -> None:
-    """Draw the robot at the end of its path: where it was measured, or else where it is."""
+    """Draw the robot at the end of its path: at its measured or else its true pose."""
     if trace.seen[-1]:
         _draw_pose(axes, trace.pose_measured[-1], outline, from_world, style.MEASURED)
     elif np.isfinite(trace.pose_true[-1]).all():

@@ -59,13 +59,13 @@ def draw_overlay(
     frame : Frame
         The image with its plane map.
     measurement : Measurement, optional
-        The measured pose, green: a line from the centre along the heading. With `blobs`, but
-        without it, the image says "not seen".
+        The measured pose, green: a line from the centre along the heading. With `blobs` and no
+        measurement, the image shows "not seen".
     blobs : dict of str to sequence of Blob, optional
         The blobs of each colour, as from `robsim.find_blobs`: each gets its bounding box.
     outline : array_like (N, 2), optional
-        Outline of the robot in its own axes, x forward and y to the right (work-area px), drawn at
-        the measured and at the estimated pose.
+        Outline of the robot in its own axes, x forward and y to the right (work-area px). It is
+        drawn at the measured and at the estimated pose.
     path : array_like (N, 2), optional
         The positions measured up to now (work-area px), drawn as a green line. NaN breaks it.
     estimate : Estimate, optional
@@ -115,7 +115,7 @@ def draw_overlay(
 
 
 class _Canvas:
-    """The image that is drawn on. Line widths are for a frame of 1200 px."""
+    """The image to draw on. Line widths are for a frame of 1200 px."""
 
     def __init__(self, frame: Frame) -> None:
         # Whole images are slow to convert from Pillow: it draws masks, which are painted here.
@@ -177,7 +177,7 @@ class _Canvas:
         return _font(max(int(min(scale, 1) * size), 8))
 
     def _pixels(self, positions: Floats) -> Floats:
-        """Return the pixels of positions, NaN where there are none near the image."""
+        """Return the pixels of positions, NaN far from the image."""
         pixels = np.full(positions.shape, np.nan)
         known = np.isfinite(positions).all(axis=1)
         pixels[known] = self._map.to_pixel(positions[known])

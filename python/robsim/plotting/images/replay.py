@@ -31,7 +31,7 @@ def annotated_frames(
     trace : Trace
         The run.
     simulation : Simulation or Experiment
-        What has run: its robot's outline is drawn, and the blobs that it finds.
+        The finished run: its robot's outline and detected blobs are drawn.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def play(
     simulation : Simulation
         A simulation that has run; its frames are rendered again.
     start, stop : int, optional
-        The steps start..stop - 1. Default: all of them.
+        The steps start..stop - 1. Default: all steps.
     overlay : bool
         Draw the measured and estimated poses.
     width : int

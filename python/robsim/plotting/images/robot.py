@@ -20,18 +20,18 @@ _DARK = "#202020"
 
 @style.applied
 def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
-    """Draw the image of a robot with the geometry of its definition on it.
+    """Draw the image of a robot with the geometry of its definition.
 
     The geometry is the outline, both marker polygons with the distance of their centroids, the
-    centre, and an arrow in the driving direction at equal wheel speeds. The axes are in pixels of
-    the image, the lengths on it in work-area px.
+    centre, and an arrow. The arrow is the driving direction at equal wheel speeds. The axes are in
+    pixels of the image, the lengths on it in work-area px.
 
     Parameters
     ----------
     robot : RobotDefinition
         The robot.
     ax : matplotlib.axes.Axes, optional
-        Where to draw. Default: a new figure, 7 inches wide.
+        Axes to draw in. Default: a new figure, 7 inches wide.
 
     Returns
     -------
@@ -157,14 +157,14 @@ def _draw_heading(axes: Axes, robot: RobotDefinition) -> None:
 
 
 def _forward(robot: RobotDefinition) -> Floats:
-    """Return the direction in the image in which the robot faces, (right, down)."""
+    """Return the direction in the image that the robot faces, (right, down)."""
     # The alignment rotates the image clockwise, so its front lies anticlockwise by that angle.
     angle = -np.deg2rad(robot.alignment)
     return np.array((np.cos(angle), np.sin(angle)))
 
 
 def _reach(axes: Axes, start: Floats, direction: Floats) -> float:
-    """Return how far it is from a point in a direction to the edge of the axes."""
+    """Return the distance from a point in a direction to the edge of the axes."""
     limits = np.sort((axes.get_xlim(), axes.get_ylim()), axis=1)
     edges = np.where(direction > 0, limits[:, 1], limits[:, 0])
     moves = np.abs(direction) > 1e-9

@@ -1,1 +1,1 @@
-"""Recorded runs: folders of frames, times, inputs and set-up, to be run again and looked at."""
+"""Recorded runs: files of frames, times, inputs and set-up, for reruns and playback."""

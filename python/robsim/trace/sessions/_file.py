@@ -1,4 +1,4 @@
-"""Reads the MCAP file of a session, complete or cut off; completes one that was cut off."""
+"""Reads the MCAP file of a session, complete or cut off; completes a cut-off file."""
 
 from __future__ import annotations
 
@@ -42,17 +42,17 @@ _MESSAGE = struct.Struct("<HI16x")  # channel, sequence
 
 
 def session_file(path: Path) -> Path:
-    """Return the file that a session's name means: it ends with ``.mcap``."""
+    """Return the file for a session's name, with the suffix ``.mcap``."""
     return path if path.name.endswith(".mcap") else path.with_name(path.name + ".mcap")
 
 
 def existing_file(path: Path) -> Path:
-    """Return the file or folder of a session that is there, with or without ``.mcap``."""
+    """Return the existing file or folder of a session, with or without ``.mcap``."""
     return path if path.exists() else session_file(path)
 
 
 def lock(descriptor: int) -> bool:
-    """Take a file until it is closed; False: another writer has it."""
+    """Lock a file until it is closed; False: another writer has it."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -71,7 +71,7 @@ def lock(descriptor: int) -> bool:
 
 
 class Place(NamedTuple):
-    """Where a picture is, or its message and the chunk around that."""
+    """The place of a picture, or its message and the surrounding chunk."""
 
     start: int
     size: int
@@ -95,7 +95,7 @@ class Recorded:
 
     @staticmethod
     def encoded(file: BinaryIO, place: Place) -> bytes:
-        """Return a picture as it stands in a file; ValueError or struct.error if it is damaged."""
+        """Return a picture as stored in a file; ValueError or struct.error if it is damaged."""
         if place.chunk_size == 0:
             return _read(file, place.start, place.size)
         chunk = _read(file, place.chunk, place.chunk_size)
@@ -122,7 +122,7 @@ class _Records:
         self.size = file.seek(0, os.SEEK_END)
         self._start, self._window = 0, b""
         if self.at(0, len(MAGIC)) != MAGIC:
-            raise ValueError("it is no MCAP file")
+            raise ValueError("it is not an MCAP file")
 
     def at(self, start: int, size: int) -> bytes:
         """Return some bytes, fewer at the end of the file."""
@@ -160,13 +160,13 @@ class _Records:
         if len(head := self.at(start, _CHUNK.size)) == _CHUNK.size:
             inside, checksum, packed, length = _CHUNK.unpack(head)
             if 0 < packed < 32:
-                raise ValueError("its chunks are packed: mcap compress --compression none")
+                raise ValueError("its chunks are compressed: mcap compress --compression none")
             if inside == length == size - _CHUNK.size:
                 return start + _CHUNK.size, length, checksum
         raise ValueError(f"the chunk at byte {start} is damaged")
 
     def is_cut(self, end: int) -> bool:
-        """Whether a killed writer can have left the rest: one record, which the file ends in."""
+        """Whether a killed writer can have left the rest: one record, cut off at the file's end."""
         rest = self.at(end, _RECORD.size + _CHUNK.size)
         if len(rest) < _RECORD.size + _CHUNK.size or rest[0] == Opcode.DATA_END:
             return True
@@ -208,14 +208,14 @@ def _content(inside: _Records, found: Recorded) -> Recorded:
     if not found.setup:
         raise ValueError("it has no session of robsim, or was cut off before its set-up")
     if found.steps is None:
-        found.problems.append("the recording was not ended: it was killed, or is still going on")
+        found.problems.append("the recording was not ended: it was killed, or still continues")
     if opcode != Opcode.DATA_END and (rest := inside.size - end):
         found.problems.append(f"the last {rest} bytes are torn or damaged: they are ignored")
     return found
 
 
 class _Steps:
-    """Reads the steps in chunks, and where their pictures are."""
+    """Reads the steps in chunks, and the places of their pictures."""
 
     def __init__(self, inside: _Records, found: Recorded) -> None:
         self._inside, self._rows, self._places = inside, found.rows, found.places
@@ -289,9 +289,9 @@ def new_writer(pieces: Any) -> Any:
 def complete(path: Path, at_rest: float = 0.0) -> str:
     """Remove a torn record at the end of a file, and write its index; return "completed".
 
-    Nothing is done to a file that is "whole", "in use", or "damaged" in another way than by a kill.
-    One that has changed within the last `at_rest` seconds is in use: it may be a copy under way.
-    An OSError leaves a file that can be completed later.
+    Nothing is done to a file that is "whole", "in use", or "damaged" other than by a kill. A file
+    changed within the last `at_rest` seconds is in use: it may be a copy in progress. An OSError
+    leaves a file that can be completed later.
     """
     with open(path, "r+b", opener=regular) as file:
         if time.time() - os.fstat(file.fileno()).st_mtime < at_rest:

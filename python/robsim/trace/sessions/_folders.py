@@ -41,7 +41,7 @@ def read_folder(folder: Path) -> Recorded:
 
 
 def _read(path: Path, read: Callable[[BinaryIO], Iterator[Any]]) -> list[Any]:
-    """Return what `read` gives of a file; nothing if a kill came before that."""
+    """Return the result of `read` for a file; nothing if the run was killed first."""
     try:
         with open_file(path) as file:
             return [*read(file)]

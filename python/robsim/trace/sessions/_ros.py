@@ -1,4 +1,4 @@
-"""The steps of a session as messages of ROS 2: what other programs see of it."""
+"""The steps of a session as messages of ROS 2, for other programs."""
 
 from __future__ import annotations
 
@@ -157,14 +157,14 @@ class Messages:
         return name + self._end
 
     def first(self, t: float) -> Iterator[Message]:
-        """Give what holds for the whole run."""
+        """Give the messages about the whole run."""
         fixed: list[Any] = [("map", "area", *_FLIPPED), ("robot", "base_link", *_FLIPPED)]
         if self._floor.intrinsics is not None:
             fixed.append(("area", "camera", *self._camera()))
         yield self._transforms("/tf_static", t, fixed)
 
     def of(self, row: Row) -> Iterator[Message]:
-        """Give the messages of a step, but for its picture."""
+        """Give the messages of a step, except for its picture."""
         yield STEPS, self.at(row.t), _packed(_TOPICS[STEPS], json_of(row))
         if np.isfinite(row.pose_measured).all():
             yield self._pose("/pose_measured", row.t, row.pose_measured, row.covariance)
@@ -179,7 +179,7 @@ class Messages:
         faults = {
             "robsim: detection": row.reason,
             "robsim: motors": "the robot was stopped before this step" if row.interrupted else "",
-            "robsim: recording": row.left_out and f"the frame was left out: {row.left_out}",
+            "robsim: recording": row.left_out and f"the frame was omitted: {row.left_out}",
         }
         said = [(_WARN, name, text, "", ()) for name, text in faults.items() if text]
         if said:
@@ -220,7 +220,7 @@ class Messages:
         return topic, self.at(t), _packed(_TF, values)
 
     def _camera(self) -> tuple[list[float], list[float]]:
-        """Return where the camera stands in the area, and how it is turned.
+        """Return the place of the camera in the area, and its rotation.
 
         The floor's homography to ideal pixels is K [r1 r2 t], times a number: see
         `PlaneMap.at_height`.

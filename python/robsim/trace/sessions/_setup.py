@@ -28,7 +28,7 @@ _LARGEST_INT = 2**63  # of TOML
 def setup_text(setup: Mapping[str, Any], *, kind: str) -> str:
     """Return the text of a set-up, with format, date and versions.
 
-    TypeError, ValueError: a value cannot be written, or all are too much for `read_setup`.
+    TypeError, ValueError: a value cannot be written, or the text is too long for `read_setup`.
     """
     import tomlkit
 
@@ -61,7 +61,7 @@ def _versions() -> dict[str, str]:
 
 
 def _as_toml(name: str, value: Any) -> Any:
-    """Return a value as TOML has it; what is None is left out of its table."""
+    """Return a value for TOML; None values are omitted from its table."""
     if isinstance(value, Mapping):
         items = {str(key): _as_toml(f"{name}.{key}", item) for key, item in value.items()}
         # Plain values stand before the tables, or they would be a part of the last one.

@@ -29,12 +29,12 @@ _NAN = math.nan
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Row:
-    """A step of a recorded run, but for its picture; NaN and None = not known.
+    """A step of a recorded run, without its picture; NaN and None = not known.
 
     The times `t` of the step, `t_arrival` of its frame at this computer and `t_sent` of its input
-    are in s. `u` (2,) is the sent input (V), `last_u` the received one since the last step, if it
-    is another. `pose_measured` is x, y (work-area px), heading (rad). `interrupted`: the robot was
-    stopped after the last step. `reason`: why it was not detected.
+    are in s. `u` (2,) is the sent input (V), `last_u` the input received since the last step, if
+    different. `pose_measured` is x, y (work-area px), heading (rad). `interrupted`: the robot was
+    stopped after the last step. `reason`: why the robot was not detected.
     """
 
     k: int

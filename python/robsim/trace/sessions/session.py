@@ -34,25 +34,25 @@ _WHERE_KNOWN = ("t_arrival", "t_sent", "last_u")
 class Session:
     """A recorded run in a file: an iterable of `Observation`, one for each step.
 
-    An `Experiment` runs it again, with other callbacks: ``robsim.Experiment(session, ...)``. Each
-    observation has the frame, its time, and the input that the robot really got since the step
-    before, so that estimators see the run as it was, whatever the new controller returns.
+    An `Experiment` reruns it with other callbacks: ``robsim.Experiment(session, ...)``. Each
+    observation has the frame, its time, and the input that the robot really got since the previous
+    step. So estimators see the recorded run, regardless of the new controller's outputs.
 
-    A run that was killed, or is still going on, can be read up to what was written when the session
-    was opened: a kill loses the last step. A file that was cut off so is completed when it is
-    opened, unless it has changed in the last 10 s: another program may be copying it.
+    A killed or unfinished run can be read up to its last written step on opening: a kill loses the
+    last step. Opening completes a cut-off file, unless it has changed in the last 10 s: another
+    program may be copying it.
 
     Parameters
     ----------
     path : path
-        The file, with or without its end ``.mcap``. A folder of an earlier robsim is read as well.
+        The file, with or without its suffix ``.mcap``. A folder of an earlier robsim is also read.
 
     Attributes
     ----------
     path : pathlib.Path
         The file.
     setup : dict
-        All that the set-up says.
+        The content of the set-up.
     area : tuple of int or None
         Width and height of the work area (px).
     dt : float or None
@@ -64,38 +64,38 @@ class Session:
     colors : list of ColorClass, or None
         The colours of the markers.
     markers : MarkerLayout or None
-        Where the markers are on the robot.
+        The positions of the markers on the robot.
     model : RobotModel or None
         The model of the robot.
     size : tuple of int or None
-        Width and height of the frames (px); None = there are none.
+        Width and height of the frames (px); None = no frames.
     count : int
         Number of steps.
     is_complete : bool
-        Whether the recording was ended, and all that belongs to it is there.
+        Whether the recording was ended, and all its parts exist.
     problems : tuple of str
-        What is missing, a sentence each.
+        The missing parts, a sentence each.
     trace : Trace
-        Times, inputs and measured poses of the run; `full_trace` has all that was recorded.
+        Times, inputs and measured poses of the run; `full_trace` has the whole record.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file, or a folder has no session.
+        If the file does not exist, or a folder has no session.
     TypeError, ValueError
-        If it is damaged, or no session. During iteration: if a frame is.
+        If the file is damaged, or no session. During iteration: if a frame is damaged.
 
     Notes
     -----
     It is an MCAP file of ROS 2 messages, which Foxglove and rosbag2 open: pictures
     (``/camera/image/compressed``, ``/camera/camera_info``), poses with their covariance
     (``/pose_measured``, ``/pose_estimated``), voltages (``/u``), faults (``/diagnostics``), places
-    (``/tf``, ``/tf_static``). Stamps are those of exposure. Lengths are in m if the scale is
-    known; else they are in px, and the names of the frames end with ``_px``.
+    (``/tf``, ``/tf_static``). Stamps are exposure times. Lengths are in m if the scale is known;
+    else they are in px, and the names of the frames end with ``_px``.
 
     In the frame ``area``, the work area, x points right, y down, z into the floor; in ``map`` y and
     z point up. ``robot`` has the axes of the area, turned by the heading; in ``base_link`` z points
-    up. ``camera`` is the optical frame of a camera whose lens was calibrated. robsim itself reads
+    up. ``camera`` is the optical frame of a camera with a calibrated lens. robsim itself reads
     the exact numbers in ``/robsim/steps``, and the set-up in the metadata ``robsim.setup``.
 
     Examples
@@ -152,7 +152,7 @@ class Session:
 
     @staticmethod
     def _is_in(path: Path) -> bool:
-        """Whether there is a session, as far as a look tells."""
+        """Whether a session exists, judged by a quick look."""
         from robsim.trace.sessions import _file, _folders
 
         path = _file.existing_file(path)
@@ -161,12 +161,12 @@ class Session:
         return path.is_file() and content_of(path, len(_file.MAGIC)) == _file.MAGIC
 
     def full_trace(self) -> Trace:
-        """Return all that was recorded, estimates too, if the run ended well; else `trace`.
+        """Return the complete record, with estimates, if the run ended normally; else `trace`.
 
         Raises
         ------
         ValueError
-            If it is damaged.
+            If the session is damaged.
         """
         if (place := self._found.trace) is None:
             return self.trace
@@ -180,7 +180,7 @@ class Session:
         return open_file(self._found.file) if any(self._found.places) else nullcontext(None)
 
     def _at(self, k: int) -> Observation:
-        """Return the observation of a step, in any order; IndexError if there is none."""
+        """Return the observation of a step, in any order; IndexError for an unknown step."""
         with self._opened() as file:
             return self._observation(k, file)
 
@@ -202,7 +202,7 @@ class Session:
                 if width * height > MOST_PIXELS:
                     raise ValueError(f"{width} x {height} px are too many")
                 if self.size not in (None, image.size):
-                    raise ValueError(f"{width} x {height} px, unlike the first one")
+                    raise ValueError(f"{width} x {height} px, unlike the first frame")
                 return pixels_of(image, "RGB")
         except Exception as error:  # Pillow's decoders raise many types
             said = "no picture" if isinstance(error, UnidentifiedImageError) else cut(error)
@@ -227,7 +227,7 @@ class Session:
         )
 
     def _last_u(self, row: Row, before: Row | None) -> Any:
-        """Return the input that the robot got since the step before; None = not known."""
+        """Return the robot's input since the previous step; None = not known."""
         if not np.isnan(row.last_u).any():
             return row.last_u
         if row.interrupted and self._parsed.stop_input is not None:
@@ -238,9 +238,9 @@ class Session:
 
     def _missing(self) -> Iterator[str]:
         if self._found.steps not in (None, self.count):
-            yield f"{self.count} of {self._found.steps} steps are there"
+            yield f"{self.count} of {self._found.steps} steps exist"
         if left_out := sum(bool(row.left_out) for row in self._rows):
-            yield f"{left_out} frames were left out: these steps have no frame"
+            yield f"{left_out} frames were omitted: these steps have no frame"
 
     def _trace(self) -> Trace:
         groups: dict[str, Floats] = columns_of(self._rows, *_ALWAYS)

@@ -1,4 +1,4 @@
-"""Writes a session during a run: an MCAP file, safe from a kill at any moment."""
+"""Writes a session during a run: an MCAP file that survives a kill at any moment."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _AFTER_ERROR = 1.0  # s, before a full disk is tried again
 
 @dataclass
 class Counts:
-    """What was recorded, and what was not."""
+    """Counts of recorded and omitted data."""
 
     steps: int = 0
     frames: int = 0
@@ -60,14 +60,14 @@ class SessionWriter:
     """Records a run in a file, for `robsim.trace.Session`; a separate thread writes.
 
     Only the constructor raises errors of the disk, FileExistsError for another session, and
-    ImportError without OpenCV. A kill loses the step that is being written. While a callback holds
-    the interpreter, nothing is written, and the previous step can be lost, too. `add` warns of the
+    ImportError without OpenCV. A kill loses the step being written. While a callback holds the
+    interpreter, nothing is written, and the previous step can be lost, too. `add` warns of the
     first error.
 
     `Session` knows the keys area, dt, plane_map, stop_input, colors, markers, model, robot of
     `setup`; `floor` is the map of the floor itself, below the markers. `lossless` pictures are PNG,
     else JPEG. With `waits`, `add` waits for a slow disk or processor, so that the file has every
-    frame, as of a `robsim.Recording`.
+    frame, as for a `robsim.Recording`.
     """
 
     def __init__(
@@ -145,8 +145,7 @@ def check_is_free(path: Path) -> None:
         raise NotADirectoryError(f"{one_line(path.parent)} is a file, not a folder")
     if os.path.lexists(path):
         raise FileExistsError(
-            f"there is {one_line(path)} already, and a session overwrites nothing: give another "
-            "name"
+            f"{one_line(path)} exists, and a session overwrites nothing: use another name"
         )
 
 
@@ -249,7 +248,7 @@ class _SessionFile:
             self._try_again = -math.inf
 
     def _picture(self, until: float, frame: Frame) -> tuple[str, bytes]:
-        """Return why a picture is not written, as a word, or the picture."""
+        """Return the reason for an omitted picture, as a word, or the picture."""
         height, width = frame.image.shape[:2]
         if time.monotonic() > until:
             return "busy", b""
@@ -286,7 +285,7 @@ class _SessionFile:
         self._file.append()
 
     def attempt(self, action: Any) -> bool:
-        """Do something that may fail; keep the first error, and return whether it succeeded."""
+        """Run an action that may fail; keep the first error, and return whether it succeeded."""
         try:
             action()
         except Exception as error:
@@ -296,11 +295,11 @@ class _SessionFile:
         return True
 
     def trouble(self) -> str:
-        """Return a sentence on what could not be recorded; "" if all is there."""
+        """Return a sentence on missing records; "" if the record is complete."""
         counts, parts = self.counts, []
         if counts.frames_left_out:
             seen = counts.frames + counts.frames_left_out
-            parts.append(f"{counts.frames_left_out} of {seen} frames were left out: /diagnostics")
+            parts.append(f"{counts.frames_left_out} of {seen} frames were omitted: /diagnostics")
         if self._file.waiting:
             parts.append("the last steps could not be written")
         if self.error is not None:
@@ -309,7 +308,7 @@ class _SessionFile:
 
 
 class _AppendedFile(Pieces):
-    """A new file that grows by whole pieces: a part of one that a full disk took is removed."""
+    """A new file that grows by whole pieces: a part of one on a full disk is removed."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -321,7 +320,7 @@ class _AppendedFile(Pieces):
         lock(self._descriptor)
 
     def append(self) -> None:
-        """Bring what waits to the file, or nothing of it."""
+        """Write all waiting pieces to the file, or no part of them."""
         piece = self.whole()
         with naming(self._path):
             try:
@@ -343,7 +342,7 @@ class _AppendedFile(Pieces):
 
 
 def _write(items: queue.SimpleQueue[Any], file: _SessionFile) -> None:
-    """Write what comes, until None does."""
+    """Write incoming pieces, until None arrives."""
     is_over = threading.Event()
     syncing = threading.Thread(
         target=_sync, args=(file, is_over), name="robsim session to disk", daemon=True
@@ -360,7 +359,7 @@ def _write(items: queue.SimpleQueue[Any], file: _SessionFile) -> None:
 
 
 def _sync(file: _SessionFile, is_over: threading.Event) -> None:
-    """Bring the file to the disk once a second: beside the writing, which must not wait for it."""
+    """Flush the file to the disk once a second, in parallel to the writing."""
     while not is_over.wait(_BETWEEN_SYNCS):
         file.sync()
 
@@ -368,6 +367,6 @@ def _sync(file: _SessionFile, is_over: threading.Event) -> None:
 def _finish(
     items: queue.SimpleQueue[Any], thread: threading.Thread, file: _SessionFile, process: int
 ) -> None:
-    if os.getpid() == process:  # a forked child has none of its parent's threads
+    if os.getpid() == process:  # a forked child lacks its parent's threads
         items.put(None)
         thread.join()
