@@ -29,7 +29,7 @@ from robsim.trace import Trace
 if TYPE_CHECKING:
     import pandas
 Columns = Mapping[str, NDArray[Any]]
-_TEXTS = ("error", "line")  # None without an error
+_TEXTS = ("error", "line")  # empty without an error
 
 
 def write_parquet(path: str | PathLike[str], columns: Columns) -> None:

@@ -96,8 +96,7 @@ _doer: Callable[[Any], Any] | None = None  # of this process, if it is one of a 
 
 
 def _begin(file: str) -> None:
-    """Initialise a worker process: Ctrl-C goes to its parent, and the worker ends with its
-    parent."""
+    """Initialise a worker process: Ctrl-C goes to its parent, and it ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(file,), daemon=True).start()
     global _doer
