@@ -127,7 +127,7 @@ def test_other_code_is_refused(store, tmp_path):
 def test_a_store_of_another_version_goes_on_with_a_warning(store, monkeypatch):
     first = run(store, runs=2)
     monkeypatch.setattr("robsim.campaigns._store.surroundings", lambda: {"numpy": "9.9"})
-    with pytest.warns(UserWarning, match=r"begun with numpy .*, here is '9\.9'"):
+    with pytest.warns(UserWarning, match=r"created with numpy .*, here is '9\.9'"):
         assert run(store, runs=2).checksum == first.checksum
 
 
@@ -402,7 +402,7 @@ def test_other_surroundings_are_told_in_one_line(store):
     run(store)
     value = json.dumps({"robsim": "\x1b[31m\n"})
     change(store, f"UPDATE campaign SET value = '{value}' WHERE key = 'surroundings'")
-    with pytest.warns(UserWarning, match="begun with robsim") as caught:
+    with pytest.warns(UserWarning, match="created with robsim") as caught:
         run(store)
     assert str(caught[0].message).isprintable()
 
