@@ -1,4 +1,4 @@
-"""Assignments: what students hand in, graded by tasks and tests, with reports."""
+"""Assignments: submissions of students, graded by tasks and tests, with reports."""
 
 from robsim.teach.assignments.assignment import Assignment, FileTests, LateRule, TaskTest
 from robsim.teach.assignments.assignment_file import load_assignment

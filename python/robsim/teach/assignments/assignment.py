@@ -1,4 +1,4 @@
-"""`Assignment`: what is graded, by which rules, as its folder says."""
+"""`Assignment`: the tests and rules of a grading, from a folder."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 
-#: Who has the public tests has their key, too: they are the same for all.
+#: The key of public tests, the same for all: students have it, too.
 SEEDS = ("student", "class")
-#: The attributes that bound a submission, as of `robsim.teach.Submission`.
+#: The attributes that restrict a submission, see `robsim.teach.Submission`.
 RULES = ("slots", "functions", "imports", "masked", "defaults")
 #: Columns of the table of marks by hand.
 BY_HAND = ("student", "late_days", "points", "comment")
-#: s that the tests of a submission may take: Gradescope's 10 minutes less one.
+#: Maximum duration of a submission's tests (s): Gradescope's 10 minutes less one.
 SECONDS = 540.0
 
 
@@ -35,26 +35,26 @@ class TaskTest:
     Attributes
     ----------
     name, title, number : str
-        Its name in files and for the key, what it is for people, and its number such as "3.1".
+        Its name in files and for the key, its title for people, and its number such as "3.1".
     task : Task
         The task, with its parameters.
     points : float
-        How many it gives.
+        Its points.
     public : bool
-        Whether students get it: they see its numbers and pictures, and can run it. Its seeds are
-        those of the public key, the same for all.
+        Whether students get it: they see its numbers and pictures, and can run it. Its seeds come
+        from the public key, the same for all.
     limits : mapping of str to ScoreLimit
-        Those of the scores, by name; empty until they are calibrated.
+        The limits of its scores, by name; empty before the calibration.
     stale : str
-        Why the limits were not calibrated for this task, or these solutions; "" = they were, or
-        nobody knows.
+        The reason why the limits do not fit this task or these solutions; "" = they fit, or
+        unknown.
     provisional : str
-        Why the limits are provisional; "" = they are not.
+        The reason why the limits are provisional; "" = they are exact.
     reference : Solution or None
-        What its scores are relative to.
+        The solution that its scores are relative to.
     reference_values : mapping of str to tuple of float
-        The numbers of the reference in each run, by score, of a public test in a folder for
-        students; empty elsewhere.
+        The numbers of the reference in each run, by score. Only public tests in a folder for
+        students have these numbers.
     """
 
     name: str
@@ -72,14 +72,14 @@ class TaskTest:
 
 @dataclass(frozen=True, kw_only=True)
 class FileTests:
-    """Tests of the teacher's own: a file for pytest, whose functions have points.
+    """Tests of the teacher: a file for pytest, whose functions have points.
 
     Attributes
     ----------
     path : Path
         The file.
     public : bool
-        Whether students get it.
+        Whether students get the file.
     """
 
     path: Path
@@ -93,9 +93,9 @@ class LateRule:
     Attributes
     ----------
     per_day : float
-        The share of the points that a day takes, 0 to 1.
+        The share of the points that a day costs, 0 to 1.
     free_days, most_days : float
-        How many days take nothing, and after how many there are no points.
+        The number of days without a cost, and the number after which a submission has no points.
     """
 
     per_day: float
@@ -105,7 +105,7 @@ class LateRule:
 
 @dataclass(frozen=True, kw_only=True)
 class Assignment:
-    """What is graded, by which rules: the content of a folder.
+    """The tests and rules of a grading: the content of a folder.
 
     Attributes
     ----------
@@ -114,37 +114,36 @@ class Assignment:
     name, title : str
         Its name, and its title.
     slots, functions, imports, masked : tuple of str
-        What a submission may fill, may define for the teacher's own tests, may import (None = all),
-        and cannot have; as for `robsim.teach.Submission`.
+        The slots that a submission may fill, the functions for the teacher's own tests, the
+        allowed imports (None = all), and the forbidden names; see `robsim.teach.Submission`.
     defaults : bool
-        Whether stages and objects of robsim may fill slots; else they are not handed in.
+        Whether stages and objects of robsim may fill slots; else a slot counts as empty.
     given : str
-        What it gets at each step: ``"frames"``, ``"blobs"`` or ``"pose"``.
+        The submission's input at each step: ``"frames"``, ``"blobs"`` or ``"pose"``.
     given_files : mapping of str to bytes
-        What lies beside each submission when it is run, by name: the files of ``given/``.
+        Files for each submission when it runs, by name: the files of ``given/``.
     own_seeds : bool
-        Whether each student has scenarios of their own in tests that are not public; else all
-        have the same.
+        Whether each student has separate scenarios in hidden tests; else all have the same.
     key : Key or None
-        What the seeds of tests that are not public come from; None = there is none.
+        The source of the seeds of hidden tests; None = no key.
     isolation : str
-        How submissions are shut in.
+        The isolation of submissions.
     limits : robsim.teach.WorkerLimits
-        What a run may take.
+        The limits of a run.
     points : float or None
-        How many all tests give together, also those that are not in this folder; None = not known.
+        The points of all tests, also outside this folder; None = unknown.
     seconds : float
-        What all tests of a submission may take together (s).
+        The time limit for all tests of a submission (s).
     tests : tuple of TaskTest
         The tests by tasks.
     files : tuple of FileTests
-        The teacher's own.
+        The teacher's own tests.
     hidden_from : datetime or None
-        The time until which hidden tests are not run.
+        The time from which hidden tests run.
     late : LateRule or None
         The rule for late days.
     by_hand : mapping of str to float
-        Points that a teacher gives, such as those for style, by name: how many there are.
+        Maximum points that a teacher gives by hand, such as for style, by name.
     leaderboard : str
         The score on Gradescope's leaderboard, ``"TEST.SCORE"``; "" = there is no leaderboard.
     """
@@ -174,14 +173,14 @@ class Assignment:
 
     @property
     def all_tests(self) -> tuple[TaskTest | FileTests, ...]:
-        """Those by tasks, and files of the teacher's own, in the order in which they are run."""
+        """The tests by tasks, and the teacher's own files, in the order of their runs."""
         return (*self.tests, *self.files)
 
     @property
     def files_of_all(self) -> Mapping[str, bytes]:
-        """What lies beside a submission: the given files, and the module ``task``.
+        """The files for submissions: the given files, and the module ``task``.
 
-        Its values are those of the first test by a task, but in the other tests by tasks.
+        Its values are from the first test by a task; each test by a task has its own values.
         """
         task = {f"{MODULE}.py": module_source(test.task) for test in self.tests[:1]}
         return {**self.given_files, **task}

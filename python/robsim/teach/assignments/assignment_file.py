@@ -1,4 +1,4 @@
-"""Reading `assignment.toml`, and what lies beside it."""
+"""Reading `assignment.toml` and the other files of its folder."""
 
 from __future__ import annotations
 
@@ -35,32 +35,34 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import MODULE, Solution, solutions_in
 
 FILE, KEY, GIVEN, SOLUTIONS = "assignment.toml", "key", "given", "solutions"
-_GIVEN = ("pose", "blobs", "frames")  # each has what those before it have
+_GIVEN = ("pose", "blobs", "frames")  # each includes the previous ones
 _MOST_POINTS, _MOST_SECONDS, _MOST_GIVEN = 1e6, 1e6, 2**24
 
 
 def _title(name: str, value: Any) -> str:
     if not check_text(name, value):
-        raise ValueError(f"{name} must be a text, got none")
+        raise ValueError(f"{name} must be a text, got an empty one")
     return str(value)
 
 
 def _path(name: str, value: Any) -> str:
     path = Path(_title(name, value))
     if path.is_absolute() or ".." in path.parts or path.suffix != ".py":
-        raise ValueError(f"{name} must lead to a Python file in the folder, got {quoted(value)}")
+        raise ValueError(
+            f"{name} must be the path of a Python file in the folder, got {quoted(value)}"
+        )
     return str(value)
 
 
 def _test_name(name: str, value: Any) -> str:
     if not check_text(name, value).isidentifier():  # it is part of the names of files
-        raise ValueError(f"{name} must be of letters, digits and _, got {quoted(value)}")
+        raise ValueError(f"{name} must have only letters, digits and _, got {quoted(value)}")
     return str(value)
 
 
 def _slots(name: str, value: Any) -> tuple[str, ...]:
     slots = codec.names(name, value)
-    check_names(f"{name}: the robot has no", slots, ROBOT_SLOTS, ValueError)
+    check_names(f"{name}: unknown slot", slots, ROBOT_SLOTS, ValueError)
     return slots
 
 
@@ -69,7 +71,7 @@ def _limits(submission: float = SECONDS, **limits: Any) -> tuple[float, WorkerLi
 
 
 def _time(name: str, value: Any) -> datetime:
-    """Return a date, at its start, or a time; in the zone of this machine, unless it has one."""
+    """Return a time, or the start of a date; without a zone, in this machine's zone."""
     if not isinstance(value, date):
         expected = "a date or a time, such as 2026-12-01T08:00:00+01:00"
         raise TypeError(f"{name} must be {expected}, got {codec.in_words(value)}")
@@ -90,7 +92,7 @@ _LATE = codec.Table(LateRule, {"per_day": _SHARE, "free_days": _DAYS, "most_days
 def _by_hand(name: str, value: Any) -> Mapping[str, float]:
     for key in (points := codec.named(_POINTS).read(name, value)):
         if _test_name(name, key) in BY_HAND:
-            raise ValueError(f"{key} is a column of by_hand.csv already: choose another name")
+            raise ValueError(f"{key} is already a column of by_hand.csv: choose another name")
     return dict(points)
 
 
@@ -139,21 +141,21 @@ def _table(folder: Path) -> codec.Table:
 def load_assignment(
     folder: str | PathLike[str], *, isolation: Isolation | None = None
 ) -> Assignment:
-    """Read the folder of an assignment; nothing in it is run.
+    """Read the folder of an assignment without running any code.
 
     Parameters
     ----------
     folder : path
-        The folder, with ``assignment.toml`` and, as far as there are such, ``limits.json``,
-        ``key``, ``given/`` and, for each kind of task, ``solutions/TASK/right`` and
-        ``wrong``. Without these solutions those that ship with robsim are the references.
+        The folder, with ``assignment.toml`` and, optionally, ``limits.json``, ``key``, ``given/``
+        and, for each kind of task, ``solutions/TASK/right`` and ``wrong``. Without these
+        solutions, robsim's own are the references.
     isolation : {"auto", "strict", "process", "none"}, optional
-        How submissions are shut in. Default: as the folder says.
+        The isolation of submissions. Default: the value in the folder.
 
     Raises
     ------
     AssignmentError
-        If something in it is missing or wrong; the message names file and key.
+        If a part is missing or wrong; the message names file and key.
     TypeError, ValueError
         If an argument is wrong; the message names it.
     """
@@ -173,7 +175,7 @@ def _text_in(folder: Path) -> str:
     try:
         return read_text(folder / FILE)
     except FileNotFoundError:
-        what = "there is no such folder" if not folder.exists() else f"it has no {FILE}"
+        what = "the folder is missing" if not folder.exists() else f"{FILE} is missing"
         raise ValueError(f"{one_line(folder)} is not an assignment: {what}") from None
     except OSError as error:
         raise ValueError(str(error)) from None
@@ -192,9 +194,9 @@ def _assignment(
 ) -> Assignment:
     names = [test.name for test in tests]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise ValueError(f"two tests have the name {quoted(twice)}")
+        raise ValueError(f"duplicate test {quoted(twice)}: rename one")
     if not tests and not files:
-        raise ValueError("it has no tests: add some, each below a line [[tests]] or [[files]]")
+        raise ValueError("no tests: add some, each below a line [[tests]] or [[files]]")
     assignment = Assignment(
         folder=folder.absolute(),
         slots=_slots_for(slots, tests),
@@ -254,12 +256,12 @@ def _task(name: str, parameters: Mapping[str, Any]) -> Task:
 
 
 def _frozen(value: Any) -> Any:
-    """Return an array of TOML as a tuple, as tasks have them."""
+    """Return an array of TOML as a tuple, for parameters of tasks."""
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
 def solutions_for(folder: Path, made: Task) -> tuple[Solution, ...]:
-    """Return the assignment's own solutions of a task, else those that ship with robsim."""
+    """Return the assignment's own solutions of a task, else robsim's own."""
     place = folder / SOLUTIONS / made.name
     try:
         return solutions_in(place, made.slots) if place.exists() else made.solutions
@@ -269,7 +271,7 @@ def solutions_for(folder: Path, made: Task) -> tuple[Solution, ...]:
 
 def _file_tests(folder: Path, path: str, public: bool) -> FileTests:
     if not (folder / path).is_file():
-        raise ValueError(f"there is no file {one_line(path)}")
+        raise ValueError(f"file {one_line(path)} is missing")
     return FileTests(path=(folder / path).absolute(), public=public)
 
 
@@ -285,7 +287,7 @@ def _slots_for(slots: tuple[str, ...] | None, tests: Sequence[TaskTest]) -> tupl
 def _given_for(given: str | None, tests: Sequence[TaskTest]) -> str:
     most = max((_GIVEN.index(test.task.given) for test in tests), default=0)
     if given is not None and _GIVEN.index(given) < most:
-        raise ValueError(f"given must be {_GIVEN[most]!r}, as its tasks need it, got {given!r}")
+        raise ValueError(f"given must be {_GIVEN[most]!r} for its tasks, got {given!r}")
     return given or _GIVEN[most]
 
 
@@ -304,12 +306,12 @@ def _given_files(folder: Path) -> dict[str, bytes]:
         files = [file for file in sorted(place.iterdir()) if not file.name.startswith((".", "__"))]
         files = [file for file in files if file.name != f"{MODULE}.py"]
         if sum(file.stat().st_size for file in files) > _MOST_GIVEN:
-            raise ValueError(f"it must have at most {_MOST_GIVEN >> 20} MB")
+            raise ValueError(f"maximum size {_MOST_GIVEN >> 20} MB exceeded")
         found = {file.name: content_of(file, _MOST_GIVEN) for file in files}
         for name in found:
             checked_path(name, GIVEN)
     except OSError as error:
-        raise ValueError(f"{GIVEN}/ must have files alone: {error}") from None
+        raise ValueError(f"{GIVEN}/ must have only files: {error}") from None
     except Exception as error:
         raise ValueError(f"{GIVEN}/: {error}") from None
     return found

@@ -1,4 +1,4 @@
-"""`calibrate_assignment`: limits for the tests of an assignment, and what they rest on."""
+"""`calibrate_assignment`: limits for the tests of an assignment, and their basis."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robsim.teach.tasks.marks.calibrate import calibrate_task, calibration_secon
 from robsim.teach.tasks.marks.calibration import TaskCalibration, solutions_digest, task_digest
 from robsim.teach.tasks.solutions import Solution
 
-#: Runs of a calibration that was ended, in the folder of the assignment.
+#: Runs of a cancelled calibration, in the folder of the assignment.
 _KEPT = ".calibrating"
 
 
@@ -37,27 +37,27 @@ def calibrate_assignment(
 ) -> dict[str, TaskCalibration]:
     """Calibrate the limits of an assignment by its solutions, and write its ``limits.json``.
 
-    Runs are kept until exact limits are written: the same call continues an ended one, and exact
-    limits continue with the runs of provisional ones.
+    The folder keeps runs until exact limits are written: the same call continues a cancelled one,
+    and exact limits reuse the runs of provisional ones.
 
     Parameters
     ----------
     folder : path
         The folder of the assignment. The seeds of the runs come from its key.
     false_fail, confidence, provisional, executor, progress
-        As for `robsim.teach.calibrate_task`.
+        See `robsim.teach.calibrate_task`.
     on_begin : callable, optional
-        Is called with about how long all of it takes (s), and whether runs are kept that count.
+        Called with the estimated duration (s), and whether kept runs are reused.
 
     Returns
     -------
     dict of str to TaskCalibration
-        That of each test by a task; tests with the same task have one together.
+        The calibration of each test by a task; tests with the same task share one.
 
     Raises
     ------
     AssignmentError
-        If the assignment cannot be read, has no key, or its solutions are not such as it takes.
+        If the assignment is unreadable, has no key, or lacks suitable solutions.
     OSError
         If the limits cannot be written.
     TypeError, ValueError

@@ -28,9 +28,9 @@ from robsim.teach.errors import AssignmentError
 from robsim.teach.results import ERROR, SubmissionResult, TestResult, number
 from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration
 
-#: Who is not what is expected is graded twice more, with other seeds: two of three count.
+#: A submission with an unexpected result is graded twice more with other seeds: two of three count.
 _TRIES = 3
-#: Less than that share of the points counts as none: a wrong solution gets some by chance.
+#: A smaller share of the points counts as no points: a wrong solution gets some by chance.
 _LITTLE = 0.1
 _ALL = 1 - 1e-9
 
@@ -41,12 +41,12 @@ def check_assignment(
     executor: int | str | Executor | DaskClient | None = None,
     progress: bool = True,
 ) -> CheckReport:
-    """Check whether an assignment is fit to grade by: read it, and grade all that is known.
+    """Check whether an assignment is fit for grading: read it, and grade all known submissions.
 
-    Limits must be those of its tasks and solutions, the sheet must name each slot, nothing hidden
-    may be in what students get. Then a class is graded: right solutions, one of them as a notebook,
-    must get all points, wrong ones fewer, and none what is empty, ends its process, hangs, patches
-    what scores it, or looks for the truth in memory; and grading must go on after each.
+    Limits must fit its tasks and solutions, the sheet must name each slot, and the students' part
+    must have nothing hidden. Then a class is graded. Right solutions, one of them as a notebook,
+    must get all points, wrong ones fewer. Empty and hostile submissions must get no points: they
+    exit, hang, patch the scoring, or search memory for the truth. Grading must continue after each.
 
     Parameters
     ----------
@@ -58,20 +58,20 @@ def check_assignment(
     Returns
     -------
     CheckReport
-        What is wrong, and a table of what was checked.
+        The problems, and a table of the checks.
 
     Raises
     ------
     AssignmentError
-        If the assignment cannot be read, or is not complete.
+        If the assignment is unreadable or incomplete.
     TypeError, ValueError
         If an argument is wrong.
 
     Notes
     -----
-    A right solution has less than full points at the rate that its limits were calibrated for, and
-    a wrong one may pass now and then. So who is not what is expected is graded twice more, with
-    other seeds, and wrong is what was so in two of three.
+    A right solution has less than full points at the calibrated rate, and a wrong one may pass now
+    and then. So a submission with an unexpected result is graded twice more, with other seeds. It
+    is a problem if two of three results are unexpected.
     """
     engine = engine_value(executor)
     assignment = load_assignment(folder)
@@ -95,7 +95,7 @@ def check_assignment(
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that was checked."""
+    """The result of one check."""
 
     what: str
     expected: str
@@ -105,10 +105,10 @@ class Finding:
 
 
 def _still(assignment: Assignment) -> Iterator[Finding]:
-    """Yield what can be said without running anything."""
+    """Yield the checks that run no code."""
     is_needed = any(not test.public for test in assignment.all_tests)
     key = assignment.key
-    got = "there is none" if key is None else "public" if key.is_public else "secret"
+    got = "missing" if key is None else "public" if key.is_public else "secret"
     wrong = "" if got == "secret" or not is_needed else "hidden tests need a key: Key.new().save"
     yield Finding("key", "secret", got, wrong)
     recorded = read_limits(assignment.folder)
@@ -121,7 +121,7 @@ def _still(assignment: Assignment) -> Iterator[Finding]:
 def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
     what, expected = f"limits of {test.name}", "calibrated for it"
     if made is None:
-        wrong = f"{what}: they were not calibrated: robsim assignment calibrate"
+        wrong = f"{what} are not calibrated: run robsim assignment calibrate"
         return Finding(what, expected, "written by hand", wrong)
     if test.stale:
         return Finding(what, expected, "of others", f"{what}: {test.stale}")
@@ -134,15 +134,15 @@ def _sheet(assignment: Assignment) -> Finding:
     text = file.read_text("utf-8", "replace") if file.is_file() else ""
     expected = "names slots and points"
     if missing := listed(slot for slot in assignment.slots if slot not in text):
-        wrong = f"{SHEET} does not say what {missing} is to do"
+        wrong = f"{SHEET} does not mention {missing}: describe each slot"
         return Finding(SHEET, expected, f"not {missing}", wrong)
     lines = [re.split(r"\s*\|\s*", line) for line in text.splitlines()]
     for test in assignment.tests:
-        # A row of the table that a new sheet has; one without it says it in words.
+        # A row of the table in a new sheet; a sheet without it may state the points in text.
         told = next((cells[2] for cells in lines if len(cells) > 3 and cells[1] == test.title), "")
         if told not in ("", number(test.points)):
             got = f"{told} points for {test.name}"
-            wrong = f"{SHEET} says {got}, and assignment.toml {number(test.points)}"
+            wrong = f"{SHEET} has {got}, and assignment.toml {number(test.points)}"
             return Finding(SHEET, expected, got, wrong)
     return Finding(SHEET, expected, "names them")
 
@@ -160,7 +160,7 @@ def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> I
     bar = progress_bar(total=len(parts), unit="submission") if progress else None
     tell = (lambda: None) if bar is None else bar.update
     tries: dict[str, list[SubmissionResult]] = {part.name: [] for part in parts}
-    # Solutions may be made of what students cannot have; one of the right ones must do without.
+    # Solutions may use masked names, but one of the right ones must not.
     free = plan_of(replace(plan.assignment, masked=(), defaults=True))
     for again in range(_TRIES):
         asked = [part for part in parts if not again or not _is_expected(part, tries[part.name][0])]
@@ -177,9 +177,9 @@ def _rehearsed(plan: Plan, scratch: Path, executor: Engine, progress: bool) -> I
 
 
 def _counted(part: Part, result: SubmissionResult) -> list[TestResult]:
-    """Return the results that count: right ones must do what the teacher's own tests ask, too.
+    """Return the results that count; right ones must pass the teacher's own tests, too.
 
-    These are run by the rules of the assignment, so that who does without them cannot pass.
+    The assignment's rules hold for these tests, so solutions without the rules cannot pass.
     """
     counts_all = part.expected == FULL and not part.is_free
     return [test for test in result.tests if counts_all or test.name in part.tests]
@@ -202,9 +202,9 @@ def _is_expected(part: Part, result: SubmissionResult) -> bool:
 
 
 _REMEDIES = {
-    FULL: "is right and should get all points: is it right, are the limits those of this task, do "
-    "your own tests ask for more?",
-    LESS: "is wrong and should get fewer points: more runs or steps tell more",
+    FULL: "is right and should get all points: check the solution, the limits of this task, and "
+    "the requirements of your own tests",
+    LESS: "is wrong and should get fewer points: use more runs or steps",
     NOTHING: "should get no points",
 }
 

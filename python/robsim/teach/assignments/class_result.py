@@ -1,4 +1,4 @@
-"""`ClassResult`: what came of a class."""
+"""`ClassResult`: the results of a class."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ClassResult(Report):
     name : str
         The name of the assignment.
     results : tuple of SubmissionResult
-        Those of the submissions, by the names of the students.
+        The results of the submissions, by the names of the students.
     changes : mapping of str to (float, float), or None
         The points before and after `regrade_class`, of students whose points have changed.
     """
@@ -35,12 +35,12 @@ class ClassResult(Report):
 
     @property
     def title(self) -> str:
-        """What was graded."""
+        """The name of the assignment and the number of submissions."""
         return f"{self.name}: {len(self.results)} submission{'s' * (len(self.results) != 1)}"
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """Mean and median of the points, and how many have all of them."""
+        """Mean and median of the points, and the number of students with all points."""
         points = [result.points for result in self.results]
         most = max((result.most for result in self.results), default=0.0)
         full = sum(result.points >= result.most for result in self.results)
@@ -62,18 +62,18 @@ class ClassResult(Report):
 
     @property
     def remarks(self) -> Sequence[str]:
-        """Whether limits are provisional; which submissions could not be graded, or read."""
+        """Notes on provisional limits, and on submissions that failed to be graded or read."""
         return tuple(self._remarks())
 
     def _remarks(self) -> Iterator[str]:
         yield from sorted({test.provisional for one in self.results for test in one.tests} - {""})
         if broken := [one for one in self.results if one.has_errors]:
             yield (
-                f"not all could be graded, which is no fault of theirs: {_listed(broken)}; the "
-                "same call tries them again"
+                f"grading failed without a fault of the submission: {_listed(broken)}; the "
+                "same call tries again"
             )
         if unread := [one for one in self.results if one.is_unread]:
-            yield f"could not be read, which gives no points, as their pages say: {_listed(unread)}"
+            yield f"unreadable, so without points, as their pages explain: {_listed(unread)}"
         if left := [one for one in self.results if not one.is_done and not one.has_errors]:
             why = dict.fromkeys(test.sentence for one in left for test in waiting(one))
             yield f"some tests were not run: {_listed(left)}. {' '.join(why)}"
@@ -83,17 +83,17 @@ class ClassResult(Report):
 
     @property
     def has_errors(self) -> bool:
-        """Whether a test could not be graded, by a fault of the assignment or the grader."""
+        """Whether the grading of a test failed because of the assignment or the grader."""
         return any(one.has_errors for one in self.results)
 
     @property
     def is_full(self) -> bool:
-        """Whether all have all points."""
+        """Whether all students have all points."""
         return all(one.is_done and one.points >= one.most for one in self.results)
 
 
 def _heading(name: str) -> str:
-    """Return the name of a test, short enough for a column: functions of pytest have long ones."""
+    """Return the name of a test, shortened for a column: pytest functions have long names."""
     name = name.removeprefix("test_")
     return name if len(name) <= _WIDEST else f"{name[: _WIDEST - 3]}..."
 

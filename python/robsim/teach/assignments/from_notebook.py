@@ -1,4 +1,4 @@
-"""An assignment made of a notebook: its exercises, checked with secret numbers."""
+"""An assignment from the exercises of a notebook, checked with secret numbers."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _POINTS = {"public": 1, "hidden": 2}
 
 
 def notebook_files(notebook: str, name: str) -> dict[str, bytes]:
-    """Return the files of an assignment by their paths, but for its key.
+    """Return the files of an assignment by their paths, without its key.
 
-    The seed of hidden tests is secret, unlike the numbers of a task, which a seed draws again.
+    The seed of hidden tests is secret, unlike the seed that draws the numbers of a task.
     """
     content = (NOTEBOOKS / f"{notebook}.ipynb").read_bytes()
     heading = "".join(json.loads(content)["cells"][0]["source"]).splitlines()[0].removeprefix("# ")

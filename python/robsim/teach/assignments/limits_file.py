@@ -1,4 +1,4 @@
-"""`limits.json`: the limits of each test, and what its reference comes to in public runs."""
+"""`limits.json`: the limits of each test, and its reference's numbers in public runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RecordedTest:
     """The record of a test in `limits.json`."""
 
     limits: Mapping[str, ScoreLimit] = field(default_factory=dict)  # by score
-    #: The numbers of the reference in each run, by score; for those who do not have it.
+    #: The numbers of the reference in each run, by score; for users without the reference.
     reference: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     #: The source of the limits; None = written by hand, or unknown here.
     calibration: TaskCalibration | None = None
@@ -33,7 +33,7 @@ class RecordedTest:
 
 
 def read_limits(folder: Path) -> dict[str, RecordedTest]:
-    """Return the records in the file of a folder, by test; nothing without a file.
+    """Return the records in the file of a folder, by test; empty without a file.
 
     The file is JSON: ``{"format": 1, "tests": {TEST: {"limits": {SCORE: {"full": ..., "zero": ...,
     "low": ..., "low_zero": ...}}, "provisional": "...", "reference": {SCORE: [...]}, "calibration":

@@ -46,47 +46,46 @@ def _parts(assignment: Assignment) -> Iterator[str]:
     yield "## Points"
     yield "\n".join(["| test | points | |", "| --- | --- | --- |", *_rows(assignment)])
     yield (
-        "Tests that are not public are the same tasks in worlds that nobody knows beforehand; each "
-        "student has others."
+        "Hidden tests are the same tasks in unknown worlds; each student has different worlds."
         if assignment.own_seeds
-        else "Tests that are not public are the same tasks in worlds that nobody knows beforehand."
+        else "Hidden tests are the same tasks in unknown worlds."
     )
     yield "## Try it, hand it in"
     yield (
-        "Begin with the files in `start/`: copy them to a folder `mine/`. What you hand in is that "
+        "Begin with the files in `start/`: copy them to a folder `mine/`. Hand in that "
         "folder, or a zip of it, a single Python file, or a notebook that defines "
-        f"{' and '.join(f'`{slot}`' for slot in assignment.slots)}. Modules of your own lie beside "
-        "these files, not in folders of their own; so do files with data, which "
+        f"{' and '.join(f'`{slot}`' for slot in assignment.slots)}. Put your own modules next to "
+        "these files, not in folders; also data files, which "
         '`open("data.csv")` finds.'
     )
     yield COUNTS
     limits = assignment.limits
     yield (
-        f"A call may take {limits.call:g} s, the first one of a run {limits.first_call:g} s: a run "
-        "in which one takes longer has no points."
+        f"A call may take {limits.call:g} s, the first call of a run {limits.first_call:g} s: a "
+        "run with a longer call has no points."
     )
     yield "```\nrobsim grade . mine --public\n```"
     yield (
-        "runs the public tests as they will be run when it is graded, and writes a page with "
-        "pictures of what went wrong. `robsim check mine` looks for mistakes in your files."
+        "runs the public tests exactly as in grading, and writes a page with "
+        "pictures of your errors. `robsim check mine` looks for mistakes in your files."
     )
 
 
 def _rows(assignment: Assignment) -> Iterator[str]:
     for test in assignment.tests:
-        who = "public" if test.public else "not public"
+        who = "public" if test.public else "hidden"
         yield f"| {test.title} | {test.points:g} | {who} |"
     for file in assignment.files:
         yield (
-            f"| tests in `{file.path.name}` | those in its `pytest.mark.points` | public |"
+            f"| tests in `{file.path.name}` | see its `pytest.mark.points` | public |"
             if file.public
-            else f"| tests in `{file.path.name}` | others | not public |"
+            else f"| tests in `{file.path.name}` | others | hidden |"
         )
 
 
 @dataclass(frozen=True)
 class Range:
-    """Where a number is drawn from: evenly, and rounded."""
+    """The range of a random number: uniform, and rounded."""
 
     least: float
     most: float
@@ -99,8 +98,8 @@ _DRIVING = {
     "dropout": Range(0.12, 0.18, 2),
     "mismatch": Range(0.08, 0.12, 2),
 }
-#: What is drawn for each task, and where its parameters stay fair: the shipped solutions are told
-#: apart anywhere in there.
+#: The random numbers of each task. Their ranges keep the parameters fair: the limits separate
+#: robsim's right and wrong solutions everywhere in the ranges.
 TEMPLATES: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "park": {"goal": (Range(250, 550), Range(250, 550), _HEADING), **_DRIVING},
@@ -145,10 +144,10 @@ _MOST_SEED = 2**63 - 1
 def new_assignment(
     template: str, folder: str | PathLike[str], *, name: str | None = None, seed: int | None = None
 ) -> Assignment:
-    """Make the folder of an assignment, with a new key and numbers of its own.
+    """Make the folder of an assignment, with a new key and random numbers.
 
-    The limits of a task are provisional: the task that ships with robsim has these.
-    `calibrate_assignment` makes its own. A notebook is graded by its exercises, without limits.
+    The limits of a task are provisional: they come from robsim's default task.
+    `calibrate_assignment` makes exact ones. A notebook is graded by its exercises, without limits.
 
     Parameters
     ----------
@@ -156,26 +155,26 @@ def new_assignment(
         A task, such as ``"park"``, or a notebook with exercises, such as ``"02_park"``; see
         `notebook_exercises`.
     folder : path
-        The folder, which is made.
+        The new folder.
     name : str, optional
-        The name of the assignment. Default: that of the folder.
+        The name of the assignment. Default: the folder's name.
     seed : int, optional
         Seed of the numbers of a task; the key is always new. Default: an unpredictable one.
 
     Returns
     -------
     Assignment
-        What was made.
+        The new assignment.
 
     Raises
     ------
     FileExistsError
-        If there is such a folder or file.
+        If the folder or a file of this name exists.
     TypeError, ValueError
         If an argument is wrong; the message names it.
     """
     known = [*TEMPLATES, *sources()]
-    check_names("there is no template", [check_text("template", template)], known, ValueError)
+    check_names("unknown template", [check_text("template", template)], known, ValueError)
     place = as_folder(folder)
     title = check_name("name", place.absolute().name if name is None else name)
     if seed is not None:

@@ -1,4 +1,4 @@
-"""A class made of all that is known to be right, wrong or hostile: what should come of whom."""
+"""A class of all known right, wrong and hostile submissions, with their expected results."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.solutions import Solution
 
 _FILES = Path(__file__).parent / "templates/hostile"
-#: What stands for doing nothing, of slots that are asked at each step.
+#: The result without any work, of slots that are called at each step.
 _NOTHING = {"control": "(0.0, 0.0)"}
 
 
 def hostile_submissions(names: tuple[str, ...]) -> Iterator[tuple[str, dict[str, bytes]]]:
-    """Yield the name of each, and its files by name, for slots or functions."""
+    """Yield the name of each submission, and its files by name, for slots or functions."""
     at_each_step = [name for name in names if name in SLOTS and SLOTS[name].when == STEP] or names
     for file in sorted(_FILES.glob("*.py")):
         text = file.read_text(encoding="utf-8")
@@ -42,7 +42,7 @@ def _for_slot(text: str, slot: str) -> bytes:
     return text.replace("SLOT", slot).replace("NOTHING", _NOTHING.get(slot, "None")).encode()
 
 
-#: What should come of a submission.
+#: The expected result of a submission.
 FULL, LESS, NOTHING = "all points", "fewer points", "no points"
 
 _RIGHT = "from right_SLOT import SLOT as right\n\n"
@@ -89,10 +89,10 @@ def gamed_submissions(
 class Part:
     """A submission of the class."""
 
-    name: str  # whose it is
+    name: str  # of its author
     files: Mapping[str, bytes]  # by name
     expected: str  # the right result
-    tests: tuple[str, ...]  # the names of the tests in which it should
+    tests: tuple[str, ...]  # the names of the tests with this result
     is_free: bool = False  # may use masked modules
 
 

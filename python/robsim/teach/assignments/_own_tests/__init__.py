@@ -1,1 +1,1 @@
-"""Tests of the teacher's own: files for pytest, run in a process of their own."""
+"""The teacher's own tests: files for pytest, run in a separate process."""

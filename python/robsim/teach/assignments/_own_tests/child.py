@@ -1,6 +1,6 @@
 """The process that runs a file of a teacher's tests.
 
-``python -m robsim.teach.assignments._own_tests.child`` is told what to do by a line of JSON: the
+``python -m robsim.teach.assignments._own_tests.child`` reads its job from a line of JSON: the
 folder of the assignment, the number of the file, the submission, the student, the file for the
 results.
 """
@@ -28,19 +28,18 @@ from robsim.teach.results import ERROR, FAILED, NOT_RUN, PASSED
 from robsim.teach.texts import clean_text
 
 _MARKER = (
-    "points(number, success='', failure=''): how many points a test gives, and what to tell the "
-    "student"
+    "points(number, success='', failure=''): the points of a test, and sentences for the student"
 )
 _MOST = 1000  # characters of an error
-_EXPECTED = "give points a number, such as @pytest.mark.points(2)"
+_EXPECTED = "points needs a number, such as @pytest.mark.points(2)"
 
 
 class Points:
     """A run of pytest in which tests have points.
 
-    It writes a line of JSON for each test that it finds, and for each finished test. Without a key
-    it only lists the tests. The marker ``robsim_submission`` of a test changes the options, which
-    are those of `robsim.teach.Submission`.
+    The plugin writes a line of JSON for each test that it finds, and for each finished test.
+    Without a key it only lists the tests. The marker ``robsim_submission`` of a test changes the
+    options, which `robsim.teach.Submission` documents.
     """
 
     def __init__(
@@ -51,7 +50,7 @@ class Points:
         self._tests: dict[str, OwnTest] = {}
 
     def pytest_configure(self, config: pytest.Config) -> None:
-        """Make the marker known; tell who grades what holds for all tests."""
+        """Register the marker; pass the rules of all tests to the grader."""
         config.addinivalue_line("markers", _MARKER)
         for plugin in config.pluginmanager.get_plugins():
             if isinstance(plugin, Grading):
@@ -76,7 +75,7 @@ class Points:
         if report.when == "call" or (report.when == "setup" and not report.passed):
             output = clean_text(printed_in(item, error))
             self._say("result", {"output": output, **_told(test, report, error)})
-        elif report.failed:  # when it was taken down
+        elif report.failed:  # in the teardown
             self._say("result", {"name": test.name, **_failed_by_others(test, error)})
         return report
 
@@ -115,8 +114,8 @@ def _told(test: OwnTest, report: pytest.TestReport, error: BaseException | None)
     if report.passed:
         return told | {"status": PASSED, "sentence": test.success, "points": test.points}
     if report.skipped:
-        return told | {"status": NOT_RUN, "sentence": "It was left out."}
-    # The submission has failed the test, and not the test itself.
+        return told | {"status": NOT_RUN, "sentence": "It was skipped."}
+    # Whether the submission or the test has failed.
     if isinstance(error, (AssertionError, SubmissionError, pytest.fail.Exception)):
         return told | {"status": FAILED, "sentence": _sentence(test, error), "whose": "submission"}
     return told | _failed_by_others(test, error)
@@ -130,7 +129,7 @@ def _failed_by_others(test: OwnTest, error: BaseException | None) -> dict[str, A
 
 def _sentence(test: OwnTest, error: BaseException | None) -> str:
     said = test.failure or "It has failed."
-    if not test.public:  # what a test or an error says may tell what is in it
+    if not test.public:  # a test's or an error's message may reveal the test
         return said
     if isinstance(error, SubmissionError):
         said = str(error).rstrip(".")

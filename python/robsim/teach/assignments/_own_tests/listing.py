@@ -1,4 +1,4 @@
-"""The tests in a file of the teacher's, with their points."""
+"""The tests in a teacher's file, with their points."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class OwnTest:
 
     name: str  # its name, for pytest
     title: str  # the first line of its docstring, else its name
-    points: float  # how many it gives
+    points: float  # for passing
     public: bool  # whether students get it
     success: str = ""  # the sentence for the student; "" = the default
     failure: str = ""
@@ -42,13 +42,13 @@ class OwnTest:
 _CHILD = "robsim.teach.assignments._own_tests.child"
 _LISTING = 60.0  # s
 _OUT_OF_TIME = "not run: out of time"
-_SAID = 600  # characters of what a child that failed said last
+_SAID = 600  # characters of a failed child's last output
 
 
 def list_own_tests(assignment: Assignment, test: FileTests) -> tuple[OwnTest, ...]:
-    """Return the tests in a file, without a run of them.
+    """Return the tests in a file without running them.
 
-    Raise AssignmentError if pytest cannot load the file, or if points make no sense.
+    Raise AssignmentError if pytest cannot load the file, or if the points are invalid.
     """
     with _child(assignment, test, None, "", _LISTING) as (lines, status, said):
         found = tuple(OwnTest(**data) for kind, data in lines if kind == "test")
@@ -69,7 +69,7 @@ def run_own_tests(
     seconds: float,
     digest: str,
 ) -> tuple[TestResult, ...]:
-    """Run a file for a submission, within so many seconds; return a result for each test."""
+    """Run a file for a submission, with a time limit (s); return a result for each test."""
     with _child(assignment, test, contents, student, seconds) as (lines, status, said):
         done = {data.pop("name"): data for kind, data in lines if kind == "result"}
         other = {"status": NOT_RUN, "sentence": _OUT_OF_TIME}
@@ -83,7 +83,7 @@ def run_own_tests(
 def _child(
     assignment: Assignment, test: FileTests, contents: Contents | None, student: str, seconds: float
 ) -> Iterator[tuple[list[tuple[str, dict[str, Any]]], int | None, str]]:
-    """Give what a child has told, its exit status (None = out of time) and its last words."""
+    """Yield a child's messages, its exit status (None = out of time) and its last output."""
     with tempfile.TemporaryDirectory(prefix="robsim-tests-") as folder:
         out = Path(folder, "results")
         request = {
@@ -113,7 +113,7 @@ def _run(request: dict[str, Any], folder: Path, seconds: float) -> tuple[int | N
     try:
         said, _ = child.communicate(json.dumps(request).encode() + b"\n", timeout=seconds)
         text = said[-8 * _SAID :].decode("utf-8", "replace").strip()
-        return child.returncode, clean_text(text[-_SAID:]) or "it said nothing"
+        return child.returncode, clean_text(text[-_SAID:]) or "without output"
     except subprocess.TimeoutExpired:
         return None, ""
     finally:
@@ -124,7 +124,7 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     if child.poll() is None:
         with suppress(OSError):
             if sys.platform == "win32":
-                child.kill()  # its workers end with it
+                child.kill()  # its workers end, too
             else:
                 os.killpg(child.pid, signal.SIGKILL)
     child.communicate()

@@ -1,1 +1,1 @@
-"""Grading classes: which submissions, in which order, what is kept, and the files of a class."""
+"""Grading classes: their submissions, schedule, kept results, and files."""

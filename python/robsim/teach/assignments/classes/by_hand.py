@@ -22,9 +22,9 @@ _NUMBER = re.compile(r"-?[0-9]+([.,][0-9]*)?")
 
 
 def take_table(plan: Plan, folder: ResultFolder, students: Sequence[str]) -> dict[str, Marks]:
-    """Return the marks by hand of students, and add those to the table that it lacks.
+    """Return the marks by hand of students, and add missing students to the table.
 
-    A single submission needs no table. Raise AssignmentError with all that is wrong in it.
+    A single submission needs no table. Raise AssignmentError with all faults of the table.
     """
     file = folder.folder / TABLE
     if len(students) < 2 and not file.exists():
@@ -46,7 +46,7 @@ def take_table(plan: Plan, folder: ResultFolder, students: Sequence[str]) -> dic
 
 
 def _limits(plan: Plan) -> dict[str, float]:
-    """Return the columns of numbers, and how large these may be."""
+    """Return the numeric columns, and their maxima."""
     units = (unit.unmarked(status=NOT_RUN) for unit in plan.work.units)
     most = sum(test.most for tests in units for test in tests)
     days = math.inf if plan.assignment.late else 0.0
@@ -85,21 +85,21 @@ def _value(row: Mapping[str, str], name: str) -> float | None:
 def _of_columns(table: Table, limits: Mapping[str, float]) -> Iterator[str]:
     known = (*BY_HAND, *limits)
     if "student" not in table.columns:
-        yield "there is no column student"
+        yield "the column student is missing"
     for name in dict.fromkeys(filter(None, table.columns)):
         if name not in known:
-            yield f"there is no column {quoted(name)}{suggestion(name, known)}"
+            yield f"unknown column {quoted(name)}{suggestion(name, known)}"
         elif table.columns.count(name) > 1:
-            yield f"two columns are named {name}"
+            yield f"duplicate column {name}"
     if any(any(row.get(EXTRA, ())) for row in table.rows):
-        yield "a row has more cells than there are columns: put a comment in quotes"
+        yield "a row has more cells than columns: put a comment in quotes"
 
 
 def _of_students(rows: Sequence[Mapping[str, str]], known: set[str]) -> Iterator[str]:
     told = [row["student"].strip() for row in rows]
     for student in dict.fromkeys(told):
         if student not in known:
-            yield f"there is no student {quoted(student)}{suggestion(student, known)}"
+            yield f"unknown student {quoted(student)}{suggestion(student, known)}"
         elif told.count(student) > 1:
             yield f"{student} has {told.count(student)} rows"
 
@@ -111,6 +111,6 @@ def _of_cells(rows: Sequence[Mapping[str, str]], limits: Mapping[str, float]) ->
             if cell and not _NUMBER.fullmatch(cell):
                 yield f"{row['student']}: {name} must be a number, got {quoted(cell)}"
             elif not 0 <= (_value(row, name) or 0.0) <= most:
-                words = {0.0: "0, as assignment.toml has no [late]", math.inf: "at least 0"}
+                words = {0.0: "0, because assignment.toml has no [late]", math.inf: "at least 0"}
                 limit = words.get(most, f"0 to {number(most)}")
                 yield f"{row['student']}: {name} must be {limit}, got {cell}"

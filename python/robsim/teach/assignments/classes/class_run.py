@@ -1,4 +1,4 @@
-"""`grade_submission`, `grade_class`, `regrade_class`: from submissions to marks."""
+"""`grade_submission`, `grade_class`, `regrade_class`: the grading of submissions."""
 
 from __future__ import annotations
 
@@ -59,31 +59,31 @@ def grade_submission(
     submission : path
         A folder, a Python file, a notebook, or a zip of these.
     out : path, optional
-        The folder for the result, as of `grade_class`. Default: it is not kept.
+        The folder for the result, see `grade_class`. Default: the result is not kept.
     student : str, optional
-        The student's name, which the worlds of tests that are not public come from. Default:
-        that of the folder or file, without its ending.
+        The student's name, from which the worlds of hidden tests are derived. Default: the name
+        of the folder or file, without its suffix.
     public : bool
-        Only the tests that students have, too.
+        Run only the public tests.
     only : sequence of str, optional
         The names of the tests to run. Default: all.
     gradescope : path, optional
-        Where the result is written after each test as Gradescope reads it, ``results.json``.
+        The path of Gradescope's ``results.json``, written after each test.
     teacher_pages
-        As for `grade_class`.
+        See `grade_class`.
 
     Returns
     -------
     SubmissionResult
-        Points, sentences and numbers. What is the submission's fault is in it; a test that
-        failed by a fault of others has the status ``"error"``.
+        Points, sentences and numbers, including faults of the submission. A test that failed
+        without such a fault has the status ``"error"``.
 
     Raises
     ------
     AssignmentError
-        If the assignment is not complete, or broken: nothing is run then.
+        If the assignment is incomplete or broken; then nothing runs.
     FileNotFoundError
-        If there is no such submission.
+        If the submission is missing.
     TypeError, ValueError
         If an argument is wrong; the message names it.
     OSError
@@ -123,13 +123,13 @@ def grade_class(
     teacher_pages: bool = False,
     on_result: Callable[[SubmissionResult, str], Any] | None = None,
 ) -> ClassResult:
-    """Grade a class, and write what came of it.
+    """Grade a class, and write the results.
 
-    Results are written after each test. What `out` has already of submissions and tests that
-    have not changed is not run again: the same call goes on where one was ended.
+    The function writes results after each test, and does not repeat unchanged submissions and
+    tests that `out` already has: the same call continues a cancelled one.
 
-    ``by_hand.csv`` in `out` is the teacher's: late days, points that replace the tests' points,
-    a comment, and the points of `Assignment.by_hand`. This function adds students to it, and
+    The teacher edits ``by_hand.csv`` in `out`: late days, points that replace the tests' points, a
+    comment, and the points of `Assignment.by_hand`. This function adds students to the table, and
     all results contain its marks.
 
     Parameters
@@ -137,51 +137,51 @@ def grade_class(
     assignment : Assignment
         The assignment, with its tests and rules.
     submissions : path
-        The folder with the submissions, or the zip of them as a platform packs it, which is not
-        unpacked; or a single one.
+        The folder with the submissions, or a platform's zip of them, which is not unpacked; or a
+        single submission.
     out : path
-        The folder for the results: one for each student, and of several ``class.html``,
-        ``class.csv`` and ``by_hand.csv``.
+        The folder for the results: one folder for each student, and, of several students,
+        ``class.html``, ``class.csv`` and ``by_hand.csv``.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
-        What grades, as for `robsim.campaign`: so many processes, or others, which must see the
-        same folders. Default: this process.
+        The executor of the grading, as for `robsim.campaign`: a number of processes, or others,
+        which must have access to the same folders. Default: this process.
     public
-        As for `grade_submission`.
+        See `grade_submission`.
     only : sequence of str, optional
-        The names of tests to run, and of students to grade; the results of others are those in
-        `out`. Default: all.
+        The names of tests to run, and of students to grade; other results are taken from `out`.
+        Default: all.
     groups : path, optional
         A table with the columns group and student, or a grading worksheet of Moodle with a column
         group: each member gets the marks of the group.
-        Default: ``groups.csv`` beside the submissions, if there is one.
+        Default: ``groups.csv`` next to the submissions, if it exists.
     columns : {"robsim", "moodle", "canvas", "blackboard"}
-        The learning platform whose columns ``class.csv`` has.
+        The learning platform that sets the columns of ``class.csv``.
     pseudonyms : bool
         Whether page and table of the class have pseudonyms instead of names.
     teacher_pages : bool
         Whether to write ``teacher.html`` of each submission, which also shows hidden tests. An
-        old one is always replaced.
+        old page is always overwritten.
     on_result : callable, optional
-        Is called with the result of each finished submission, and the reason why it was graded
-        again, ``""`` if it was not.
+        Called with the result of each finished submission, and the reason of a repeated grading,
+        or ``""``.
 
     Returns
     -------
     ClassResult
-        The results of all.
+        All results.
 
     Raises
     ------
     AssignmentError, FileNotFoundError, TypeError, ValueError
-        As `grade_submission`; also if ``by_hand.csv`` is wrong: nothing is run then.
+        As `grade_submission`; also if ``by_hand.csv`` is wrong. Then nothing runs.
     OSError
         If a result cannot be written.
 
     Warns
     -----
     UserWarning
-        If files in the folder are no submissions, such as tables: they are left out. If results
-        are in folders with other names than the students. About groups without a submission.
+        If the folder has files that are no submissions, such as tables. If results are in folders
+        with other names than the students. If groups have no submission.
     """
     check_is_assignment(assignment)
     engine_value(executor)
@@ -216,32 +216,32 @@ def regrade_class(
 ) -> ClassResult:
     """Recompute the marks after limits, points or ``by_hand.csv`` have changed.
 
-    Nothing is run: the numbers of the runs are those in the folder, and so are the similar programs
-    on the page of the class.
+    Nothing runs: the function uses the kept numbers, and the kept similar programs on the page of
+    the class.
 
     Parameters
     ----------
     assignment : Assignment
-        The assignment as it is now.
+        The current assignment.
     out : path
-        The folder that `grade_class` has written, whose files are written anew.
+        The folder of `grade_class`, whose files are overwritten.
     columns, pseudonyms, teacher_pages
-        As for `grade_class`.
+        See `grade_class`.
 
     Returns
     -------
     ClassResult
-        The results of all, and whose points have changed.
+        All results, and the students with changed points.
 
     Raises
     ------
     AssignmentError
-        If the assignment is not complete, or broken.
+        If the assignment is incomplete or broken.
     FileNotFoundError
-        If there are no results.
+        If no results exist.
     TypeError, ValueError
-        If an argument is wrong, or more than limits and points has changed: nothing is written
-        then.
+        If an argument is wrong, or more than limits and points has changed; then nothing is
+        written.
     """
     check_is_assignment(assignment)
     folder = _folder(assignment, out, columns, pseudonyms, teacher_pages)
@@ -249,7 +249,7 @@ def regrade_class(
     units = {name: unit for unit in plan.work.units for name in unit.names}
     students = folder.students()
     if not students:
-        raise FileNotFoundError(2, "there are no results to be marked anew", str(out))
+        raise FileNotFoundError(2, "no results to regrade", str(out))
     old = [_old(folder, student) for student in students]
     title, digest = assignment.title, plan.digest
     results = [
@@ -282,7 +282,7 @@ def _only(
             raise ValueError(what + suggestion(name, known))
         if known.count(name) + len(students.get(name, "1")) > 2:
             raise ValueError(
-                f"only: {quoted(name)} is not clear: several tests and students have it"
+                f"only: {quoted(name)} is ambiguous: several tests and students have this name"
             )
     tests = plan.wanted.intersection(only) or plan.wanted
     chosen = set().union(*(students.get(name, ()) for name in only))
@@ -317,14 +317,14 @@ def _check_apart(out: Path, handed: list[Handed]) -> None:
         inside |= {Path(one.path).parent for one in handed if not one.files}
     if place in inside or not inside.isdisjoint(place.parents):
         raise ValueError(
-            f"out must be apart from the submissions, got {one_line(out)}: what is written there "
-            "would be taken for one"
+            f"out must be outside the submissions, got {one_line(out)}: its files would be taken "
+            "for a submission"
         )
 
 
 def _old(folder: ResultFolder, student: str) -> SubmissionResult:
     if (old := folder.read(student)) is None:
-        raise ValueError(f"{one_line(folder.of(student))}: its result cannot be read")
+        raise ValueError(f"{one_line(folder.of(student))}: unreadable result")
     return old
 
 
@@ -335,13 +335,13 @@ def _tests(units: dict[str, Unit], old: SubmissionResult) -> tuple[TestResult, .
 def _test(units: dict[str, Unit], test: TestResult, student: str) -> TestResult:
     unit = units.get(test.name)
     if unit is None:
-        raise ValueError(f"there is no test {quoted(test.name)} any more: grade anew")
-    if not test.digest or test.status == ERROR:  # it is still to be run
+        raise ValueError(f"test {quoted(test.name)} no longer exists: grade again")
+    if not test.digest or test.status == ERROR:  # not run yet
         return test
     if test.digest != unit.digest:
         raise ValueError(
-            f"the test {test.name} is not the one that {one_line(student)} was graded by: its "
-            "task, reference, rules or key have changed, and not its limits and points alone; "
-            "grade anew"
+            f"the test {test.name} differs from the test that graded {one_line(student)}: its "
+            "task, reference, rules or key have changed, not only its limits and points; "
+            "grade again"
         )
     return again(unit, test)

@@ -1,4 +1,4 @@
-"""Groups: students who have handed in a submission together."""
+"""Groups: students with a common submission."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from robsim.teach.submissions.reading import open_submission
 if TYPE_CHECKING:
     from robsim.teach.assignments.classes.submissions import Handed
 
-FILE = "groups.csv"  # beside the submissions
+FILE = "groups.csv"  # next to the submissions
 _COLUMNS = ["group", "student"]
-# Further ones of a grading worksheet of Moodle
+# Further columns of a grading worksheet of Moodle
 _FULL_NAME, _IDENTIFIER = "full name", "identifier"
 
 
@@ -51,13 +51,13 @@ def read_groups(file: Path) -> dict[str, list[str]]:
 
 
 def _as_in_moodle(student: str, identifier: str) -> str:
-    """Return the name that a submission would have, where the identifier is a participant's."""
+    """Return the name of a submission whose identifier is a participant's of Moodle."""
     match = re.fullmatch(r"Participant (\d+)", identifier.strip())
     return f"{student}_{match[1]}_assignsubmission_file" if match else student
 
 
 def _key(student: str) -> str:
-    """Return the number of a student in Moodle, whose names differ, or the name of another one."""
+    """Return the number of a student in Moodle, where names differ; else the name."""
     match = OF_MOODLE.fullmatch(student)
     return f"Participant {match['number']}" if match else student
 

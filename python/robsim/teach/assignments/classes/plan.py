@@ -1,4 +1,4 @@
-"""What is to be graded, proved to be usable before any submission is."""
+"""The tests of a grading, proved usable before any submission runs."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from robsim.teach.isolation.start import IsolationError
 class Plan:
     """The tests of a grading."""
 
-    work: GradingWork  # the assignment with all tests that there are results of
-    wanted: frozenset[str]  # the names of those that are run
+    work: GradingWork  # the assignment with all tests that have results
+    wanted: frozenset[str]  # the names of the tests to run
     digest: str  # of all inputs of the points
-    waits: str = ""  # why hidden tests are not run
+    waits: str = ""  # the reason why hidden tests do not run
 
     @property
     def assignment(self) -> Assignment:
@@ -48,7 +48,7 @@ def plan_of(
 ) -> Plan:
     """Return the plan of a grading, for the tests with the names `only`, or for public tests.
 
-    A plan that `waits` leaves out hidden tests before their time.
+    A plan that `waits` leaves out hidden tests until their time.
     Raise AssignmentError if a limit, the key, a reference or a file of tests is missing or broken,
     and ValueError if a test is unknown.
     """
@@ -56,7 +56,7 @@ def plan_of(
     asked = None if only is None else names_of(only)
     tests = [t for t in assignment.all_tests if t.public or not public]
     if not tests:
-        raise ValueError(f"{assignment.name} has no tests that are public")
+        raise ValueError(f"{assignment.name} has no public tests")
     if (
         assignment.isolation == "strict"
         and not (report := check_isolation(isolation="strict")).strict
@@ -74,19 +74,19 @@ def plan_of(
     names = [name for unit in units for name in unit.names]
     all_names = [*names, *assignment.by_hand]
     if twice := [name for name in all_names if all_names.count(name) > 1]:
-        raise AssignmentError(f"two tests have the name {quoted(twice[0])}: rename one")
+        raise AssignmentError(f"duplicate test {quoted(twice[0])}: rename one")
     check_names(f"{assignment.name} has no test", asked or (), names, ValueError)
     start = assignment.hidden_from
     is_early = waits and start is not None and now() < start
     early = {name for unit in units if is_early and not unit.test.public for name in unit.names}
-    said = f"Hidden tests are run from {start:%Y-%m-%d %H:%M %Z} on." if early else ""
+    said = f"Hidden tests will run from {start:%Y-%m-%d %H:%M %Z} on." if early else ""
     wanted = names if asked is None else asked
     work = GradingWork(assignment, tuple(units))
     return Plan(work, frozenset(wanted) - early, digests.of_assignment(assignment), said)
 
 
 def names_of(only: Iterable[str] | str) -> list[str]:
-    """Return the argument `only`, which may be a single name; raise TypeError for others."""
+    """Return the argument `only`, which may be a single name; raise TypeError for other types."""
     names = [only] if isinstance(only, str) else only
     if not isinstance(names, Sequence) or not all(isinstance(one, str) for one in names):
         raise TypeError(f"only must be names, got {quoted(only)}")

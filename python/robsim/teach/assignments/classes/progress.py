@@ -1,4 +1,4 @@
-"""How far a submission has come: results that are kept, tests that are still to be run."""
+"""The progress of a submission: its kept results, and its remaining tests."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from robsim.teach.submissions.reading import Contents, arranged, open_submission
 from robsim.teach.texts import clean_text
 
 _WAITING = "Not run yet."
-_OUT_OF_TIME = "Not run: the tests before it took all the time that there is."
-_LEAST = 1.0  # s that a test must have left
+_OUT_OF_TIME = "Not run: the previous tests took all the available time."
+_LEAST = 1.0  # s, minimum time for a test
 
 
 class Progress:
@@ -64,7 +64,7 @@ class Progress:
             self._notes = (self._refused,)
 
     def _kept(self, old: SubmissionResult | None) -> dict[str, TestResult]:
-        """Return the results that still hold, by test; say why none does."""
+        """Return the results that are still valid, by test; note the reason if all are invalid."""
         if old is None or self._refused:
             return {}
         if old.submission_digest != self._digest:
@@ -99,7 +99,7 @@ class Progress:
         self._take(unit.unmarked(status=status, sentence=sentence, whose=whose))
 
     def next(self) -> Job | None:
-        """Return the next test to be run, if there is one; what has no time left is not run."""
+        """Return the next test to run, if any; without time left, tests do not run."""
         while self._left:
             number = self._left[0]
             unit = self._units[number]
@@ -112,7 +112,7 @@ class Progress:
                         files = files_for(self._assignment, unit.test, self.contents)
                     return Job(self._index, number, self.handed.student, files, seconds)
                 self._end(unit, NOT_RUN, _OUT_OF_TIME)
-            except Exception as error:  # such as that nothing of it is for this test
+            except Exception as error:  # for example, if no file is for this test
                 self._take(unit.failed_by(error))
             del self._left[0]
         return None
@@ -146,7 +146,7 @@ class Progress:
 
 
 def again(unit: Unit, result: TestResult) -> TestResult:
-    """Return a result with the points and sentences of today."""
+    """Return a result with the current points and sentences."""
     if isinstance(unit.test, TaskTest):
         # A test without runs has no points under any limits.
         if not result.scores:
@@ -169,8 +169,9 @@ def versions() -> dict[str, str]:
 class Schedule:
     """Hands out the tests of submissions, each submission's tests one after the other.
 
-    So the time of a submission is known, and there are no more open submissions than workers.
-    `tell` gets each finished result, and the reason of a repeated grading. Results of others than
+    So the duration of a submission is known, and at most one submission per worker is open.
+    `tell` gets each finished result, and the reason of a repeated grading. Without `students`, all
+    are graded; otherwise other students' results come from the folder.
     `students` are those in the folder; None = all are graded.
     """
 
@@ -188,7 +189,7 @@ class Schedule:
         self._busy: set[int] = set()
 
     def take(self) -> list[Job]:
-        """Return the next test, as a list; an empty one where there is none just now."""
+        """Return the next test in a list; empty while no test is ready."""
         for index in sorted(self._open.keys() - self._busy):
             if job := self._next(index):
                 return [job]
@@ -208,7 +209,7 @@ class Schedule:
         return []
 
     def note(self, rows: Sequence[Any], /) -> None:
-        """Do nothing: all tests are handed out one by one, however long they take."""
+        """Do nothing: all tests are handed out one by one, regardless of their duration."""
 
     def done(self, row: Row) -> None:
         progress = self._open[row.submission]
@@ -222,7 +223,7 @@ class Schedule:
         return self.folder.write(replace(progress.result, command=command), *files)
 
     def _next(self, index: int) -> Job | None:
-        """Return the next test of a submission; where there is none left, end it."""
+        """Return the next test of a submission; after its last test, end it."""
         progress = self._open[index]
         if job := progress.next():
             self._busy.add(index)

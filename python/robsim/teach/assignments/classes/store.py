@@ -1,4 +1,4 @@
-"""The files of a class that is graded: what is there already is not done again."""
+"""The files of a graded class: existing results are not computed again."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ResultFolder:
         return self.folder / folder_name(student)
 
     def read(self, student: str) -> SubmissionResult | None:
-        """Return what came of a submission; None = nothing, or nothing that can be read."""
+        """Return the result of a submission; None = missing or unreadable."""
         try:
             text = (self.of(student) / RESULT).read_bytes()[:_MOST].decode()
             return SubmissionResult.from_json(text)
@@ -87,7 +87,7 @@ class ResultFolder:
         return data if isinstance(data, dict) else {}
 
 
-START = "start"  # what students begin with
+START = "start"  # the files for students to begin with
 EARLIER = "earlier"  # submissions of earlier years
 
 
@@ -98,9 +98,9 @@ def write_class_files(
     folder: ResultFolder,
     results: Sequence[SubmissionResult],
 ) -> None:
-    """Write page and table of a class into the folder of its results; a single one is no class.
+    """Write page and table of a class into the folder of its results, not for a single submission.
 
-    Without the `programs` by student the page reports the similar programs that were found before;
+    Without the `programs` by student, the page reports the kept similar programs;
     `others` come from `other_programs`.
     """
     if len(results) < 2:
@@ -140,8 +140,8 @@ def _given(assignment: Assignment) -> Iterator[Program]:
 def other_programs(assignment: Assignment) -> dict[str, Program]:
     """Return possible sources of copies by their names on the page.
 
-    These are the solutions of tasks, and the submissions in ``earlier/``: each entry is one, or a
-    folder of them. Raise AssignmentError or OSError as `submissions_in`.
+    These are the solutions of tasks, and the submissions in ``earlier/``: each entry is a
+    submission or a folder of them. Raise AssignmentError or OSError as `submissions_in`.
     """
     found: dict[str, Program] = {}
     for task in {test.task.name: test.task for test in assignment.tests}.values():

@@ -1,4 +1,4 @@
-"""What there is to grade: a class of submissions, or a single one."""
+"""The submissions to grade: a class, or a single one."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from robsim.teach.submissions.names import same_for_all
 from robsim.teach.submissions.reading import arranged, open_submission
 from robsim.teach.tasks.solutions import MODULE
 
-_SENT = (*FORMS, *ARCHIVES)  # other archives than zips are refused in a sentence
+_SENT = (*FORMS, *ARCHIVES)  # a sentence refuses archives other than zips
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def one_submission(
                     return one
         found = [file for form in FORMS if (file := Path(f"{place}{form}")).is_file()]
         if len(found) != 1:
-            raise FileNotFoundError(2, "there is no such submission", str(path))
+            raise FileNotFoundError(2, "the submission is missing", str(path))
     (place,) = found
     student, _, _ = _whose(f"{place.name}/" if place.is_dir() else place.name)
     return Handed(student, str(place))
@@ -115,18 +115,18 @@ def submissions_in(
     """Return all submissions of a folder or of a zip by name, or the only one of a path.
 
     A folder or zip is one submission if it has a file of a slot, or a given file. So is a zip
-    without several folders or archives. `tell` gets sentences on files that are left out, on names
-    and on groups. Their table is `groups`, by default ``groups.csv`` beside the submissions.
+    without several folders or archives. `tell` gets sentences on ignored files, on names
+    and on groups. Their table is `groups`, by default ``groups.csv`` next to the submissions.
 
-    Raise FileNotFoundError for an empty folder, AssignmentError with all students that have several
-    submissions, or one folder of results.
+    Raise FileNotFoundError for an empty folder. Raise AssignmentError with all students that have
+    several submissions or a common folder of results.
     """
     first = one_submission(path, assignment, "submissions")
     place = Path(first.path)
     given = {*assignment.given_files, f"{MODULE}.py", *(f"{slot}.py" for slot in SLOTS)}
     inside, tops = "", {""}
     if place.is_dir():
-        # Hidden files are those of tools.
+        # Tools make hidden files.
         names = [name for name in os.listdir(place) if not _is_hidden(name) and name != FILE]
         tops = {name if (place / name).is_file() else f"{name}/" for name in names}
     elif _is_zip(place) and not first.files:
@@ -135,7 +135,7 @@ def submissions_in(
         return [first]
     found, problems = _by_student(tops, tell)
     if not found:
-        raise FileNotFoundError(2, "there are no submissions in this folder", str(path))
+        raise FileNotFoundError(2, "no submissions in this folder", str(path))
     handed = [_handed(student, place, inside, found[student]) for student in sorted(found)]
     beside = (place if place.is_dir() else place.parent) / FILE
     table = groups or (beside if beside.is_file() else None)
@@ -193,7 +193,7 @@ def _by_student(
     for student, attempts in found.items():
         files = attempts.pop(max(attempts))
         places = [place for place, _ in files]
-        file_of = student.removesuffix("onlinetext") + "file"  # beside the text of Moodle
+        file_of = student.removesuffix("onlinetext") + "file"  # next to the text of Moodle
         if not any(map(_can_be_graded, places)) or (file_of != student and file_of in found):
             others += places
             continue
@@ -214,7 +214,7 @@ def _can_be_graded(place: str) -> bool:
 
 
 def _title_of(places: Iterable[str]) -> str:
-    """Return how all files of a class from Blackboard begin: its names of students may have "_"."""
+    """Return the common start of a class's files from Blackboard, whose names may have "_"."""
     starts = [one.partition("_attempt_")[0] for one in places if OF_BLACKBOARD.fullmatch(one)]
     parts = zip(*(start.split("_")[:-1] for start in starts), strict=False)
     return "".join(f"{same[0]}_" for same in takewhile(lambda part: len({*part}) == 1, parts))
@@ -255,7 +255,7 @@ def _problems_of_folders(handed: Iterable[Handed]) -> list[str]:
     for one in handed:
         same.setdefault(same_for_all(folder_name(one.student)), []).append(one.student)
     return [
-        f"{listed(names)} would have one folder of results on some systems: rename one"
+        f"{listed(names)} would share one folder of results on some systems: rename one"
         for names in same.values()
         if len(names) > 1
     ]

@@ -1,4 +1,4 @@
-"""Tables that a teacher writes: the cells of a CSV file, as spreadsheets have it."""
+"""Tables of a teacher: the cells of a CSV file from a spreadsheet program."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _ENCODINGS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb": "utf-8-
 
 @dataclass
 class Table:
-    """The cells of the file, and how they are written."""
+    """The cells of the file, and its format."""
 
     file: Path
     columns: list[str]
     rows: list[dict[str, Any]]
     delimiter: str = ","
-    encoding: str = "utf-8-sig"  # without its mark Excel expects another one
+    encoding: str = "utf-8-sig"  # without its mark Excel assumes another encoding
 
     @classmethod
     def read(cls, file: Path) -> Table:
-        """Return the table of a file; raise ValueError if that is broken."""
+        """Return the table of a file; raise ValueError if the file is broken."""
         text = read_text(file, _MOST)
         delimiter = max(",;\t", key=text.partition("\n")[0].count)
         content = io.StringIO(text, newline="")

@@ -1,1 +1,1 @@
-"""Grading a submission: its runs and those of the reference, points, sentences, pictures."""
+"""Grading a submission: its runs and the reference's, points, sentences, pictures."""

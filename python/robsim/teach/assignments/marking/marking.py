@@ -1,4 +1,4 @@
-"""From the numbers of a test to its points, its status and a sentence."""
+"""The points, status and sentence of a test from its numbers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robsim.teach.texts import clean_line
 _ALL = 1 - 1e-9
 
 
-#: The numbers of the runs that came through, by score.
+#: The numbers of the completed runs, by score.
 Numbers = Mapping[str, Sequence[float]]
 
 
@@ -37,7 +37,7 @@ def mark_of(
 ) -> Mark:
     """Return the mark of a test; raise AssignmentError if a score has no limit.
 
-    `numbers` and `reference` are of the same runs, without the failed ones.
+    `numbers` and `reference` belong to the same runs, without failed ones.
     """
     scores = [
         _scored(test, score, tuple(numbers[score.name]), tuple(reference[score.name]))
@@ -75,10 +75,10 @@ def labels_of(test: TaskTest) -> dict[str, Any]:
 
 
 def limit_of(test: TaskTest, score: Score) -> ScoreLimit:
-    """Return the limit of a score; raise AssignmentError if there is none."""
+    """Return the limit of a score; raise AssignmentError if it is missing."""
     if score.name not in test.limits:
         raise AssignmentError(
-            f"the test {test.name} has no limit for {score.name}: calibrate its limits first: "
+            f"the test {test.name} has no limit for {score.name}: calibrate first, "
             "robsim assignment calibrate",
             file="limits.json",
         )
@@ -107,7 +107,7 @@ def _scored(
 
 
 def runs_by_badness(test: TaskTest, mark: Mark) -> list[int]:
-    """Return the numbers of the runs that came through, the worst one in what lost most last."""
+    """Return the numbers of the completed runs, the worst run of the costliest score last."""
     scores = dict(zip(mark.scores, test.task.scores, strict=True))
     lost = max(mark.scores, key=_loss)
 
@@ -124,19 +124,19 @@ def runs_by_badness(test: TaskTest, mark: Mark) -> list[int]:
 
 
 def run_to_show(mark: Mark | TestResult, through: list[int]) -> int | None:
-    """Return the run to show: the worst, or the first that failed where these cost more."""
+    """Return the run to show: the worst, or the first failed run if failures cost more."""
     of_failed = len(mark.failed) / mark.runs
     of_scores = (1 - of_failed) * sum((1 - one.fraction) * one.share for one in mark.scores)
     if mark.failed and of_failed >= of_scores:
         begun = [run for run in mark.failed if run.step is not None]
-        # One with steps before that, which can be drawn.
+        # A failed run with steps, which can be drawn.
         return next((run.run for run in sorted(begun, key=lambda run: not run.step)), None)
     return through[-1] if through else None
 
 
 _MOST_REASON = 300  # characters
 
-#: How a run was ended, in words that tell nothing of it.
+#: The end of a run, in words that reveal nothing about the run.
 _HOW = {TIMEOUT: "took too long", EXIT: "ended its process"}
 
 
@@ -148,7 +148,7 @@ def _sentence(
     public: bool,
     is_passed: bool,
 ) -> str:
-    """Return what to say of a test: of one that is not public no number of its runs."""
+    """Return the sentence on a test, without numbers of hidden runs."""
     parts = []
     if failed:
         parts.append(_of_failed(failed, runs, public=public))
@@ -165,7 +165,7 @@ def _of_failed(failed: Sequence[FailedRun], runs: int, *, public: bool) -> str:
         return f"{which} runs ended early: {by} {_HOW.get(first.cause, 'failed')}."
     reason = clean_line(first.reason.rstrip("."), _MOST_REASON)
     if len(failed) == runs:
-        return f"No run came through. Run {first.run}: {reason}."
+        return f"All runs failed. Run {first.run}: {reason}."
     return f"{len(failed)} of {runs} runs ended early. Run {first.run}: {reason}."
 
 
@@ -176,8 +176,8 @@ def _of_scores(
     lost.sort(key=_loss, reverse=True)
     if not lost:
         if is_passed:
-            return "All is as good as it must be."
-        return "The others were as good as they must be."
+            return "All scores are as good as required."
+        return "The other scores were as good as required."
     if public:
         return _told(lost[0], through)
     told: dict[str, list[str]] = {}
@@ -187,7 +187,7 @@ def _of_scores(
 
 
 def _loss(score: ScoreResult) -> float:
-    """Return the loss of points by a score; 0 = none."""
+    """Return the points that a score loses; 0 = all points."""
     return 0.0 if score.is_met else (1 - score.fraction) * (score.share or 1.0)
 
 
@@ -198,7 +198,7 @@ def _are(titles: list[str], direction: str) -> str:
 
 
 def _subject(score: ScoreResult) -> str:
-    """Return the subject of a sentence on a score: the title of a share names the counted."""
+    """Return the subject of a sentence on a score; a title of a share names the counted things."""
     title = f"share of {score.title}" if score.unit == "%" else score.title
     return f"{title}," if ", " in title else title
 
@@ -211,13 +211,13 @@ def _told(score: ScoreResult, runs: int) -> str:
     over = f"in the geometric mean of {runs} runs" if runs > 1 else "in the only run"
     if score.low is not None:
         return (
-            f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}, where 1 is "
-            f"right and {score.low:.3g} to {score.limit:.3g} has all points."
+            f"The {score.title} is {_direction(score)}: {score.statistic:.3g} {over}. 1 is "
+            f"right, and {score.low:.3g} to {score.limit:.3g} gives all points."
         )
     came_to = f"{score.statistic:.3g} times the reference {over}"
     if not score.share:
         came_to = f"the reference has {score.statistic:.3g} times as many right ones"
     return (
-        f"The {score.title} is too large: {came_to}, where up to {score.limit:.3g} times has all "
-        f"points and {score.zero:.3g} times none."
+        f"The {score.title} is too large: {came_to}. Up to {score.limit:.3g} times gives all "
+        f"points, from {score.zero:.3g} times on no points."
     )

@@ -1,4 +1,4 @@
-"""`play_run`: a run of a test again, for an appeal."""
+"""`play_run`: the repetition of a test's run, for an appeal."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from robsim.trace import Trace
 
 
 def picture_of(test: TaskTest, trace: Trace, reference: Trace | None) -> tuple[bytes, str]:
-    """Return a run of a submission, beside that of the reference, as PNG, and what it shows."""
+    """Return a run of a submission next to the reference's, as PNG, and its description."""
     from robsim.plotting.beside import as_png, draw_run  # matplotlib takes its time
 
     task = test.task
@@ -42,7 +42,7 @@ def path_of(trace: Trace) -> list[list[float]]:
 
 @dataclass(frozen=True, kw_only=True)
 class PlayedRun(Report):
-    """A run of a test, done again: the same as in grading, from the key.
+    """A repeated run of a test: the same as in grading, from the key.
 
     Attributes
     ----------
@@ -55,19 +55,19 @@ class PlayedRun(Report):
     trace : Trace
         The run, with the truth.
     numbers : mapping of str to float
-        Its scores; none of one that failed.
+        Its scores; empty if it failed.
     failed : str
-        Why the submission failed in it, as it did in grading; "" = it did not.
+        The submission's failure in the run, as in grading; "" = no failure.
     reference : Trace or None
-        The run of the reference in the same world; None = there is none here.
+        The run of the reference in the same world; None = no reference available.
     reference_numbers : mapping of str to float
         Its scores.
     output : str
-        What the submission printed.
+        The printed output of the submission.
     files : tuple of Path
         Its trace and picture, if they were written.
     remarks : tuple of str
-        Why it failed, and why this run was chosen.
+        The reasons of its failure and of the choice of this run.
     """
 
     test: TaskTest
@@ -84,12 +84,12 @@ class PlayedRun(Report):
 
     @property
     def title(self) -> str:
-        """Whose run of what it is."""
+        """The student, the test and the number of the run."""
         return f"{self.student}, {self.test.name}, run {self.run}"
 
     @property
     def tables(self) -> Sequence[Table]:
-        """Its scores beside those of the reference, if it came through."""
+        """Its scores next to the reference's, if the run was completed."""
         if self.failed:
             return ()
         columns = (
@@ -105,7 +105,7 @@ class PlayedRun(Report):
         return (Table(key="scores", columns=columns, rows=rows, row_title="score"),)
 
     def picture(self) -> bytes:
-        """Return the run beside that of the reference, as PNG."""
+        """Return the run next to the reference's, as PNG."""
         return picture_of(self.test, self.trace, self.reference)[0]
 
 
@@ -118,33 +118,33 @@ def play_run(
     *,
     student: str | None = None,
 ) -> PlayedRun:
-    """Do a run of a test again, for an appeal: the same world, noise and numbers.
+    """Repeat a run of a test, for an appeal: the same world, noise and numbers.
 
     Parameters
     ----------
     assignment : Assignment
-        The assignment that the submission was graded by.
+        The assignment that graded the submission.
     submission : path
-        What was handed in.
+        The submission.
     test : str
         The name of the test.
     run : int, optional
-        The number of the run, from 0. Default: the worst one, as the results in `out` say, or 0.
+        The number of the run, from 0. Default: the worst run of the results in `out`, or 0.
     out : path, optional
-        The folder that `grade_class` has written: `PlayedRun.files` are written there.
+        The folder of `grade_class`, for the files `PlayedRun.files`.
     student : str, optional
-        As for `grade_submission`.
+        See `grade_submission`.
 
     Returns
     -------
     PlayedRun
-        The run with its trace, beside that of the reference.
+        The run with its trace, next to the reference's.
 
     Raises
     ------
     SubmissionError
-        If the submission fails before there is a step, with slot and line. Where it fails
-        later, the run is what there is of it: its `failed` says why.
+        If the submission fails before the first step, with slot and line. After a later failure,
+        the run has all steps until then: its `failed` names the reason.
     AssignmentError, FileNotFoundError, TypeError, ValueError, OSError
         As `grade_submission`.
     """
@@ -160,7 +160,7 @@ def play_run(
     remarks = []
     if run is None and (run := _worst(folder, name, test)) is None:
         run = 0
-        remarks.append("it is run 0, as there are no results that tell the worst one")
+        remarks.append("run 0, because the worst run is unknown without results")
     check_int("run", run, minimum=0, maximum=one.task.runs - 1)
     files: tuple[Path, ...] = ()
     if folder is not None:
@@ -174,7 +174,7 @@ def play_run(
         trace, output = graded.result, graded.output
         numbers = dict(numbers_of(one, trace))
     except SubmissionError as error:
-        if error.trace is None:  # there is nothing to be seen of it
+        if error.trace is None:  # no step to be shown
             raise
         trace, output, failed = error.trace, error.output, clean_text(str(error))
         remarks.append(f"the run ended early: {failed}")

@@ -1,4 +1,4 @@
-"""The worlds of a test: seeds, the reference in them, and digests of what numbers rest on."""
+"""The worlds of a test: seeds, the reference in them, and digests of the inputs of numbers."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from robsim.trace import Trace
 
 
 def key_for(assignment: Assignment, *, public: bool) -> Key:
-    """Return the key of tests that are public, or not; raise AssignmentError if there is none."""
+    """Return the key of public or hidden tests; raise AssignmentError without a key."""
     if public:
         return Key.public()
     if assignment.key is None:
         raise AssignmentError(
-            f"{assignment.name} has no key, which the worlds of tests that are not public come "
-            "from: bring back the file key, or write a new one with robsim.teach.Key.new()",
+            f"{assignment.name} has no key, the source of the worlds of hidden tests: "
+            "restore the file key, or write a new one with robsim.teach.Key.new()",
             file="key",
         )
     return assignment.key
 
 
 def student_for(assignment: Assignment, student: str, *, public: bool) -> str:
-    """Return the name that the key is asked with; "" = all have the same worlds."""
+    """Return the student's name for the key; "" = all have the same worlds."""
     return student if assignment.own_seeds and not public else ""
 
 
@@ -106,7 +106,7 @@ def of_submission(files: SubmissionFiles) -> str:
 
 
 def of_test(assignment: Assignment, test: TaskTest | FileTests) -> str:
-    """Return the digest of what the numbers of a test rest on: points and limits are no part."""
+    """Return the digest of the inputs of a test's numbers, without points and limits."""
     rules = {
         **{name: getattr(assignment, name) for name in ("name", *RULES, "given")},
         "given files": _of_files(assignment.files_of_all),

@@ -1,4 +1,4 @@
-"""A test by a task: the runs of a submission beside those of the reference."""
+"""A test by a task: the runs of a submission and of the reference."""
 
 from __future__ import annotations
 
@@ -19,34 +19,34 @@ from robsim.teach.texts import clean_text
 from robsim.trace import Trace
 
 OUT_OF_TIME = "not run: out of time"
-NOT_LOADED = "not run: it could not be loaded in the runs before"
+NOT_LOADED = "not run: it failed to load in the previous runs"
 _TRIES = 3  # to load a submission
-_LEAST = 0.5  # s that a run must have left, else it is not begun
+_LEAST = 0.5  # s, minimum time for a run
 
 
 @dataclass
 class Runs:
     """The runs of a test so far."""
 
-    #: By score: the numbers of the runs that came through, and of the reference in these.
+    #: By score: the numbers of the completed runs, and of the reference in these.
     numbers: dict[str, list[float]]
     reference: dict[str, list[float]]
     failed: list[FailedRun] = field(default_factory=list)
-    #: The runs, by number; of those that failed the steps until then, if there were any.
+    #: The runs, by number; failed ones with the steps until their failure, if any.
     traces: dict[int, Trace] = field(default_factory=dict)
     output: str = ""  # printed in the first failed run, else in the last
     isolation: str = ""  # the layers of its sandbox
 
     @property
     def cannot_be_loaded(self) -> bool:
-        """Whether the submission was never loaded, and that was tried often enough."""
+        """Whether the submission has never loaded after enough tries."""
         is_never = not any(self.numbers.values()) and all(run.step is None for run in self.failed)
         return is_never and len(self.failed) >= _TRIES
 
 
 @dataclass(frozen=True)
 class RunTest:
-    """A test that was run."""
+    """A completed test."""
 
     task: GradedTask
     runs: Runs
@@ -65,7 +65,7 @@ def run_task_test(
     references: References,
     seconds: float,
 ) -> RunTest:
-    """Run a test of a submission, within so many seconds; its files are as `files_for` the test.
+    """Run a test of a submission, with a time limit (s); `files_for` the test has its files.
 
     Raise AssignmentError if the reference or a score fails, GraderError without a process.
     """
@@ -91,7 +91,7 @@ def run_task_test(
 
 
 def files_for(assignment: Assignment, test: TaskTest, contents: Contents) -> SubmissionFiles:
-    """Return what of a submission counts in a test; raise SubmissionError if nothing does."""
+    """Return the files of a submission for a test; raise SubmissionError without such a file."""
     given = {**assignment.given_files, f"{MODULE}.py": module_source(test.task)}
     return arranged(contents, assignment._rules(test.task.slots), given)
 

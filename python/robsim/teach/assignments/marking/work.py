@@ -20,7 +20,7 @@ from robsim.teach.submissions import SubmissionFiles
 from robsim.teach.submissions.reading import Contents
 from robsim.teach.texts import clean_text
 
-_DIED = "the grader's own process ended in this test, whenever it was tried: tell your teacher"
+_DIED = "the grader's process ended in this test in each try: tell your teacher"
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Unit:
 
     test: TaskTest | FileTests
     own: tuple[OwnTest, ...]  # the tests of the file
-    digest: str  # of what its numbers rest on
+    digest: str  # of the inputs of its numbers
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -45,7 +45,7 @@ class Unit:
         return tuple(one.result(**told) for one in self.own)
 
     def failed_by(self, error: Exception) -> tuple[TestResult, ...]:
-        """Return the results of tests that could not be run: only the submission loses points."""
+        """Return the results of tests that failed to run: only the submission loses points."""
         whose = error.whose if isinstance(error, GradingError) else GraderError.whose
         said = str(error) if isinstance(error, GradingError) else said_by(error)
         status = FAILED if isinstance(error, SubmissionError) else ERROR
@@ -53,9 +53,9 @@ class Unit:
 
 
 class Job(NamedTuple):
-    """A unit of tests of a submission, and how long it may take (s).
+    """A unit of tests of a submission, and its time limit (s).
 
-    It has the submission's files: those that count in a test by a task, else all.
+    It has the submission's files: only the files for the test by a task, else all.
     """
 
     submission: int
@@ -87,13 +87,13 @@ class GradingWork:
         return Grader(self).row
 
     def lost(self, job: Job, /) -> Row:
-        """Return the row of a job whose process ends, whenever it is tried."""
+        """Return the row of a job whose process ends in each try."""
         told = {"status": ERROR, "sentence": _DIED, "whose": GraderError.whose}
         return Row(job.submission, job.unit, self.units[job.unit].unmarked(**told))
 
 
 class Grader:
-    """What does jobs, one after the other."""
+    """A grader does jobs, one after the other."""
 
     def __init__(self, work: GradingWork) -> None:
         self._work = work

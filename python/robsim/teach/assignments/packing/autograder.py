@@ -1,7 +1,7 @@
-"""What Gradescope runs for each submission.
+"""The program that Gradescope runs for each submission.
 
-``python -m robsim.teach.assignments.packing.autograder`` is told where the autograder lies,
-``/autograder`` there. Whatever happens, there is a ``results/results.json``: Gradescope shows
+``python -m robsim.teach.assignments.packing.autograder`` gets the folder of the autograder,
+``/autograder`` on Gradescope. It always writes a ``results/results.json``: Gradescope shows
 students nothing else.
 """
 
@@ -16,14 +16,14 @@ from pathlib import Path
 from robsim.base.files import write_whole
 from robsim.teach.assignments.packing.gradescope import ASSIGNMENT
 
-#: Exit statuses of ``robsim grade`` with which there are results.
+#: Exit statuses of ``robsim grade`` with results.
 _GRADED = (0, 1)
 
 _ENDED = (
-    "The grader was ended before it had a result, which is no fault of your submission: tell your "
+    "The grader ended before it had a result, without a fault of your submission: tell your "
     "teacher."
 )
-_FAILED = "The grader failed, which is no fault of your submission: tell your teacher."
+_FAILED = "The grader failed, without a fault of your submission: tell your teacher."
 
 
 def main(root: Path) -> int:
@@ -46,7 +46,7 @@ def main(root: Path) -> int:
 
 
 def student_in(metadata: Path) -> str:
-    """Return the name of all who handed it in, in any order: the seed of hidden tests."""
+    """Return the sorted names of all authors: the seed of hidden tests."""
     try:
         users = json.loads(metadata.read_text(encoding="utf-8"))["users"]
         names = [str(user.get("email") or user["id"]) for user in users]

@@ -1,4 +1,4 @@
-"""`pack_gradescope`: the zip that Gradescope makes an autograder of."""
+"""`pack_gradescope`: the zip of an autograder for Gradescope."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from robsim.teach.assignments.classes.plan import plan_of
 from robsim.teach.assignments.packing.public_part import limits_alone
 from robsim.teach.tasks.solutions import REFERENCE
 
-_MADE = (1980, 1, 1, 0, 0, 0)  # the first moment that a zip can have
+_MADE = (1980, 1, 1, 0, 0, 0)  # the earliest time in a zip
 _REGULAR = 0o100000
 
 
 def write_zip(
     path: Path, files: Mapping[str, bytes], *, modes: Mapping[str, int] | None = None
 ) -> None:
-    """Write files to a zip, whole or not at all; without its mode, every user may read a file."""
+    """Write files to a zip atomically; without its mode, every user may read a file."""
     import zipfile
 
     content = io.BytesIO()
@@ -38,7 +38,7 @@ def write_zip(
     write_whole(path, content.getvalue())
 
 
-#: The folder of the assignment, in that of the autograder.
+#: The folder of the assignment, in the autograder's folder.
 ASSIGNMENT = "assignment"
 _FILES = Path(__file__).parents[1] / "templates/gradescope"
 _MODES = {"run_autograder": 0o755, "setup.sh": 0o755, f"{ASSIGNMENT}/{KEY}": 0o600}
@@ -54,10 +54,10 @@ def pack_gradescope(
     assignment : Assignment
         The assignment.
     path : path
-        The zip; an old one is replaced.
+        The zip; an old one is overwritten.
     install : path or str, optional
-        What is installed there: a wheel, which goes into the zip, or what pip takes, such as
-        ``"robsim==1.2"``. Default: this version, from where pip finds it.
+        The package to install there: a wheel, which becomes part of the zip, or a requirement for
+        pip such as ``"robsim==1.2"``. Default: this version, from pip's usual source.
 
     Returns
     -------
@@ -67,24 +67,24 @@ def pack_gradescope(
     Raises
     ------
     AssignmentError
-        If a test has no limits, or there is no key.
+        If a test has no limits, or the key is missing.
     OSError
-        If it cannot be written, or the wheel cannot be read.
+        If the zip cannot be written, or the wheel cannot be read.
     TypeError, ValueError
         If an argument is wrong.
 
     Notes
     -----
-    After https://gradescope-autograders.readthedocs.io/en/latest/specs: ``setup.sh`` is run once,
-    when the image is built; ``run_autograder`` for each submission, which lies in
-    ``/autograder/submission``, and it writes ``/autograder/results/results.json``.
+    After https://gradescope-autograders.readthedocs.io/en/latest/specs: ``setup.sh`` runs once, for
+    the image; ``run_autograder`` runs for each submission in ``/autograder/submission``, and writes
+    ``/autograder/results/results.json``.
     """
     check_is_assignment(assignment)
     file = as_path(path)
     if file.suffix != ".zip":
-        raise ValueError(f"path must be that of a zip, got {quoted(str(file))}")
+        raise ValueError(f"path must end in .zip, got {quoted(str(file))}")
     wheel, line = _installed(install)
-    plan_of(assignment)  # all that it takes is there
+    plan_of(assignment)  # raises for a missing part
     files = dict(_assignment_files(assignment))
     for name in ("setup.sh", "run_autograder"):
         files[name] = (_FILES / name).read_bytes()
@@ -110,7 +110,7 @@ def _assignment_files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
 
 
 def _installed(install: str | PathLike[str] | None) -> tuple[Path | None, str]:
-    """Return the wheel that goes along, if there is one, and the line of requirements.txt."""
+    """Return the wheel for the zip, if any, and the line of requirements.txt."""
     if install is None:
         return None, f"robsim=={version('robsim')}"
     if isinstance(install, str) and not install.endswith(".whl"):

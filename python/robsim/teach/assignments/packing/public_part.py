@@ -1,4 +1,4 @@
-"""What students get of an assignment: all that is public, and nothing else."""
+"""The students' part of an assignment: all public files, and nothing else."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from robsim.teach.errors import AssignmentError
 from robsim.teach.results import finite
 from robsim.teach.tasks.solutions import NAIVE
 
-_SHORTEST = 12  # bytes of a solution; fewer may stand anywhere
+_SHORTEST = 12  # bytes of a solution; shorter ones may occur anywhere
 
 
 def public_part(assignment: Assignment) -> dict[str, bytes]:
     """Return the files for students, by their paths in the folder.
 
-    Raise AssignmentError if a public test, its limits or the sheet is missing, or if a hidden thing
+    Raise AssignmentError if a public test, its limits or the sheet is missing, or if a hidden part
     would be public.
     """
     files = dict(_files(assignment))
     if found := leaks(assignment, files):
-        raise AssignmentError(f"students would get what is hidden: {found[0]}")
+        raise AssignmentError(f"students would get a hidden part: {found[0]}")
     return files
 
 
@@ -69,7 +69,7 @@ def _all_points(assignment: Assignment) -> float:
 
 
 def _public_limits(assignment: Assignment) -> str:
-    """Return limits and the numbers of the reference: students do not have its code."""
+    """Return limits and the numbers of the reference, because students do not have its code."""
     references = References(assignment)
     tests = {}
     for test in (one for one in assignment.tests if one.public):
@@ -117,7 +117,7 @@ def _secrets(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
             yield f"the hidden {file.path.name}", file.path.read_bytes()
     for solution in sorted((assignment.folder / SOLUTIONS).rglob("*.py")):
         content = solution.read_bytes().strip()
-        is_start = solution.parent.name == NAIVE  # what students begin with is made of it
+        is_start = solution.parent.name == NAIVE  # the source of the students' first files
         if len(content) > _SHORTEST and not is_start:
             path = solution.relative_to(assignment.folder).as_posix()
             yield f"the solution {path}", content

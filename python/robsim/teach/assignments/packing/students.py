@@ -1,4 +1,4 @@
-"""`pack_students`, `pack_feedback`: what students get before and after."""
+"""`pack_students`, `pack_feedback`: the students' files before and after the grading."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from robsim.teach.reports.writing import PAGE, TEXT, folder_name
 
 
 def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
-    """Write what students get: sheet, files to begin with, public tests with their limits.
+    """Write the students' files: sheet, files to begin with, public tests with their limits.
 
-    They have an assignment of their own with it, without key, hidden tests and solutions: the
-    numbers of the reference in the public runs stand in its ``limits.json``.
+    The files are an assignment without key, hidden tests and solutions. Its ``limits.json`` has
+    the numbers of the reference in the public runs.
 
     Parameters
     ----------
     assignment : Assignment
         The assignment.
     path : path
-        A zip, which is replaced, or a folder, which must not exist.
+        A zip, which is overwritten, or a folder, which must not exist.
 
     Returns
     -------
     Path
-        What was written.
+        The zip or the folder.
 
     Raises
     ------
     AssignmentError
-        If there is no public test, its limits are not calibrated, or something hidden would be in
-        there.
+        If the assignment has no public test, its limits are not calibrated, or a hidden part
+        would be public.
     FileExistsError
-        If there is such a folder.
+        If the folder exists.
     """
     check_is_assignment(assignment)
     target = as_path(path)
@@ -59,17 +59,17 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
 
 
 def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | PathLike[str]) -> Path:
-    """Write the pages of students into one zip; nothing hidden is in it.
+    """Write the pages of students, without hidden parts, into one zip.
 
-    Where Moodle has named the submissions, it takes this zip (Upload multiple feedback files in a
-    zip). Others have a folder by their name.
+    If Moodle has named the submissions, it accepts this zip (Upload multiple feedback files in a
+    zip). Other students have a folder by their name.
 
     Parameters
     ----------
     result : ClassResult
         The class.
     out, path : path
-        The folder with its results, and the zip; an old zip is replaced.
+        The folder with its results, and the zip; an old zip is overwritten.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     Warns
     -----
     UserWarning
-        If only some folders have names as in Moodle.
+        If only some folders have names from Moodle.
     """
     check_kind("result", result, ClassResult)
     place, target = as_path(out, "out"), as_path(path)
@@ -87,7 +87,7 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     of_moodle = [name for name in students if OF_MOODLE.fullmatch(name)]
     if of_moodle and (others := [name for name in students if name not in of_moodle]):
         warn_user(
-            f"Moodle does not know the folders of {listed(others)} in {one_line(target)}: take its "
+            f"Moodle does not know the folders of {listed(others)} in {one_line(target)}: use its "
             f"grading worksheet with a column group as groups.csv, and grade again"
         )
     files = {

@@ -5,7 +5,7 @@ root="${AUTOGRADER:-/autograder}"
 source="$root/source"
 export DEBIAN_FRONTEND=noninteractive
 
-# robsim needs Python 3.11; Ubuntu 22.04 has it beside its own.
+# robsim needs Python 3.11; Ubuntu 22.04 has it in addition to its default.
 find_python() {
   for python in python3.14 python3.13 python3.12 python3.11 python3; do
     if "$python" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
@@ -22,6 +22,6 @@ fi
 "$(find_python)" -m venv "$root/venv"
 cd "$source"
 "$root/venv/bin/pip" install --no-cache-dir -r requirements.txt
-# Unpacked files may be for all to read, and a key must not be.
+# Unpacked files may be readable for all users, but a key must not be.
 chmod -R go-rwx "$source"
 "$root/venv/bin/robsim" grade --check-isolation

@@ -1,4 +1,4 @@
-"""Ends its process with status 0, and hopes that the grader ends with it."""
+"""Ends its process with status 0, and hopes that this ends the grader, too."""
 
 import os
 

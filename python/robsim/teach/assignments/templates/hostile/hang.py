@@ -1,4 +1,4 @@
-"""Answers at first, and then never again, whatever is thrown at it."""
+"""Answers at first, and then never again, despite all exceptions."""
 
 calls = 0
 

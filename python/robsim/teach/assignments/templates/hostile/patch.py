@@ -1,4 +1,4 @@
-"""Patches what might compute its marks, and does nothing else."""
+"""Patches all possible parts of the scoring, and does nothing else."""
 
 import sys
 

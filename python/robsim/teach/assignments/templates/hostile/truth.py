@@ -1,4 +1,4 @@
-"""Looks for the true pose in all memory that it can reach, and gives what it finds."""
+"""Searches all reachable memory for the true pose, and returns the findings."""
 
 import gc
 import sys

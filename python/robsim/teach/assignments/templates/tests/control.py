@@ -1,6 +1,6 @@
-"""An example of tests of your own: plain pytest, in which `submission` is what a student hands in.
+"""An example of your own tests: plain pytest, in which `submission` is a student's submission.
 
-Each function has points, and a sentence for who misses it. Write others, or remove this file and
+Each function has points, and a sentence for a failure. Write others, or remove this file and
 its lines in assignment.toml.
 """
 
@@ -18,7 +18,7 @@ HIDDEN = robsim.Scenario(
 )
 
 
-@pytest.mark.points(1, failure="A robot that nobody has seen yet must stand still: return 0, 0.")
+@pytest.mark.points(1, failure="Before the first measurement the robot must stand: return 0, 0.")
 def test_a_robot_that_nobody_sees_stands_still(submission):
     trace = submission.run(HIDDEN, steps=10, seed=1)
     assert abs(trace.u).max() == 0

@@ -1,6 +1,6 @@
-"""An example of tests of your own: plain pytest, in which `submission` is what a student hands in.
+"""An example of your own tests: plain pytest, in which `submission` is a student's submission.
 
-Each function has points, and a sentence for who misses it. Write others, or remove this file and
+Each function has points, and a sentence for a failure. Write others, or remove this file and
 its lines in assignment.toml.
 """
 

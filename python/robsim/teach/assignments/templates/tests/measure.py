@@ -1,6 +1,6 @@
-"""An example of tests of your own: plain pytest, in which `submission` is what a student hands in.
+"""An example of your own tests: plain pytest, in which `submission` is a student's submission.
 
-Each function has points, and a sentence for who misses it. Write others, or remove this file and
+Each function has points, and a sentence for a failure. Write others, or remove this file and
 its lines in assignment.toml.
 """
 
@@ -18,7 +18,7 @@ HIDDEN = robsim.Scenario(
 )
 
 
-@pytest.mark.points(1, failure="Where the robot cannot be seen there is no pose: return None.")
+@pytest.mark.points(1, failure="Return None if the robot cannot be seen.")
 def test_a_hidden_robot_has_no_pose(submission):
     trace = submission.run(HIDDEN, steps=10, seed=1)
     assert not trace.seen.any()
