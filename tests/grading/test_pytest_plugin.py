@@ -187,7 +187,7 @@ def test_nothing_of_a_submission_is_run_by_pytest(class_room):
 def test_files_of_tests_and_a_submission_are_apart(class_room, monkeypatch):
     monkeypatch.chdir(class_room)
     for place in (".", "mine", "mine/control.py", "mine/control.py::test"):
-        with pytest.raises(pytest.UsageError, match="apart"):
+        with pytest.raises(pytest.UsageError, match="overlap"):
             grading(class_room, tests=place)
     grading(class_room, tests="grade.py::test_begins")
     monkeypatch.chdir(class_room / "mine")
@@ -242,7 +242,7 @@ def test_a_key_that_others_can_read_is_refused(class_room):
 
 def test_a_submission_that_is_not_named_as_it_must_be_is_refused(class_room):
     """Nor does one take the place of a module."""
-    with pytest.raises(pytest.UsageError, match="there is no"):
+    with pytest.raises(pytest.UsageError, match="is missing"):
         grading(class_room, submission=str(class_room / "yours"))
     # After a blank pytest would look for its pytest.ini there, before any plugin is asked.
     with pytest.raises(pytest.UsageError, match="with '='"):

@@ -57,7 +57,7 @@ MISTAKES = {
     "return 1, float('nan')": (r"control.py, line 3: ValueError: .* finite", 3),
     "return 13, 0": ("at most 12 V", None),
     "raise SystemExit(0)": ("SystemExit", 5),
-    "os._exit(0)": (r"its process ended by itself \(exit code 0\)", None),
+    "os._exit(0)": (r"its process exited \(exit code 0\)", None),
     "os.abort()": ("its process was ended by signal SIG", None),
     "os.closerange(3, 99)": ("closed its connection|Bad file|process ended", None),
 }

@@ -219,7 +219,7 @@ def test_what_is_no_array_of_real_numbers_is_refused():
 
 def test_too_much_is_refused():
     assert len(as_arrays("argument", [0] * 16)) == 16
-    with pytest.raises(ValueError, match="16 arguments, got 17"):
+    with pytest.raises(ValueError, match="16 arguments are allowed, got 17"):
         as_arrays("argument", [0] * 17)
     whole = np.broadcast_to(np.uint8(0), 64 << 20)
     as_arrays("argument", [whole])

@@ -326,7 +326,7 @@ def test_the_check_tries_all_and_says_what_held():
             "read a file",
             "change a file",
             "write outside its folder",
-            "read what is hidden",
+            "read a hidden file",
             "watch a folder",
         },
         "processes": {"signal the grader"},

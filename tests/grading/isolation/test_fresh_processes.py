@@ -26,7 +26,7 @@ def _no_zygote(monkeypatch):
 def test_a_fresh_worker_runs_is_limited_and_ends(ended):
     ending, output = ended("import os, resource; print(os.getcwd() == os.environ['HOME'])")
     assert output == "True\n"
-    assert ending.text == "its process ended by itself (exit code 0)"
+    assert ending.text == "its process exited (exit code 0)"
     assert ending.max_rss > 1 << 20
     assert not ending.left
 

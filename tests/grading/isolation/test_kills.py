@@ -144,7 +144,7 @@ def test_a_socket_that_is_held_keeps_nothing_alive(worker):
     """A grader that only closes its channel: the worker reads the end of it, and goes on."""
     with worker("channel.recv(1); print('the end')") as (started, channel):
         channel.shutdown(socket.SHUT_WR)
-        assert started.wait(300).text == "its process ended by itself (exit code 0)"
+        assert started.wait(300).text == "its process exited (exit code 0)"
     assert started.output == "the end\n"
 
 

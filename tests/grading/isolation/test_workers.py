@@ -24,7 +24,7 @@ def test_the_entry_gets_the_channel_and_the_memory(worker):
     for isolation in ("none", "process", "auto"):
         with worker(source, isolation=isolation, memory=[memory]) as (started, channel):
             assert channel.recv(99) == b"1 pixels"
-            assert started.wait(300).text == "its process ended by itself (exit code 0)"
+            assert started.wait(300).text == "its process exited (exit code 0)"
             assert channel.recv(99) == b""
     os.close(memory)
 
@@ -32,12 +32,12 @@ def test_the_entry_gets_the_channel_and_the_memory(worker):
 @pytest.mark.long
 def test_how_a_worker_ended_is_said_in_words(ended):
     for source, text in (
-        ("raise SystemExit(3)", "its process ended by itself (exit code 3)"),
-        ("import os; os._exit(0)", "its process ended by itself (exit code 0)"),
+        ("raise SystemExit(3)", "its process exited (exit code 3)"),
+        ("import os; os._exit(0)", "its process exited (exit code 0)"),
         ("import os; os._exit(70)", "its process ended"),
         ("import os; os._exit(71)", "(exit code 71)"),
         ("import builtins\nbuiltins.isinstance = lambda *a: True\n1 / 0", "its process ended"),
-        ("1 / 0", "its process ended by itself (exit code 1)"),
+        ("1 / 0", "its process exited (exit code 1)"),
         ("import ctypes; ctypes.string_at(0)", "its process was ended by signal SIGSEGV"),
         ("bytearray(2 << 30)", "more than 1 GiB of memory"),
     ):
@@ -63,7 +63,7 @@ spin()
 
 def test_output_is_cut_and_the_rest_dropped(ended):
     ending, output = ended("for _ in range(300): print('x' * 9999)", output=1000)
-    assert ending.text == "its process ended by itself (exit code 0)"
+    assert ending.text == "its process exited (exit code 0)"
     assert output == "x" * 1000 + "\n... cut after 1000 bytes"
 
 

@@ -60,7 +60,7 @@ def cheat(step):
     attack(
         "results of its own",
         "writes results.json and a report, and ends with exit code 0",
-        says=r"ended by itself \(exit code 0\)",
+        says=r"exited \(exit code 0\)",
     )("""
 def cheat(step):
     if step.k == 5:

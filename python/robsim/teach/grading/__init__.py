@@ -1,4 +1,4 @@
-"""Grading: submissions that run in a process of their own, and whose fault it is if they fail."""
+"""Grading: runs of submissions in separate processes, and the cause of each failure."""
 
 from robsim.teach.errors import AssignmentError, GraderError, GradingError, SubmissionError
 from robsim.teach.grading.keys import Key

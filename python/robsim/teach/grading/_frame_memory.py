@@ -1,4 +1,4 @@
-"""Memory in which the grader draws frames, and which a worker sees, but cannot write."""
+"""Memory for the grader's frames, which a worker can read, but not write."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import tempfile
 import numpy as np
 from numpy.typing import NDArray
 
-#: Frames that there is room for: while one is looked at, the next one is drawn; the others are for
-#: callbacks that keep some, and are not touched otherwise.
+#: Number of frames in the memory: a callback reads one while the grader draws the next; the others
+#: are for callbacks that keep some, and are otherwise unused.
 SLOTS = 8
 
-_PAGE = 1 << 16  # bytes; the pages of all systems go into it
+_PAGE = 1 << 16  # bytes, a multiple of all systems' pages
 
 
 def slot_bytes(resolution: tuple[int, int]) -> int:
@@ -24,14 +24,14 @@ def slot_bytes(resolution: tuple[int, int]) -> int:
 
 
 def has_frame_memory() -> bool:
-    """Return whether this system has it; where it has not, pixels go through the socket."""
+    """Return whether this system supports frame memory; otherwise the socket sends pixels."""
     return sys.platform != "win32"
 
 
 class FrameMemory:
     """Room for some frames (H, W, 3), drawn here; a process with its descriptor can see them.
 
-    It has no name, so that nothing of it is left when the last process that has it ends. On Linux
+    The memory has no name: it vanishes when its last process ends. On Linux
     it is sealed: its descriptor allows neither a write nor another size.
     """
 
@@ -47,7 +47,7 @@ class FrameMemory:
         ]
 
     def close(self) -> None:
-        """Give it back, as soon as nobody looks at the images any more."""
+        """Release the memory when its last image is unused."""
         os.close(self.descriptor)
         self.images = []
 

@@ -24,16 +24,16 @@ _BUFFER = 1 << 16
 
 
 class Kind(IntEnum):
-    """What a message is."""
+    """The type of a message."""
 
-    HELLO = 1  # to the worker: the submission, and what the robot half may know
-    READY = 2  # from it: `Ready`
-    STEP = 3  # to it: a step as far as it is known
-    ANSWER = 4  # from it: the same, filled in
-    END = 5  # to it: there are no more steps
-    ERROR = 6  # from it: an `ErrorText`, in JSON
-    CALL = 7  # to it: the number of a function, and arrays
-    RESULT = 8  # from it: arrays
+    HELLO = 1  # to the worker: the submission, and the inputs of the robot half
+    READY = 2  # to the grader: `Ready`
+    STEP = 3  # to the worker: a step as far as known
+    ANSWER = 4  # to the grader: the same, filled in
+    END = 5  # to the worker: no more steps
+    ERROR = 6  # to the grader: an `ErrorText`, in JSON
+    CALL = 7  # to the worker: the number of a function, and arrays
+    RESULT = 8  # to the grader: arrays
 
 
 #: Most bytes of a body that comes from a worker.
@@ -41,7 +41,7 @@ LIMITS = {Kind.READY: 1 << 10, Kind.ANSWER: 1 << 14, Kind.ERROR: 1 << 14}
 
 
 class WireError(Exception):
-    """What came is no message that was due."""
+    """An unexpected or malformed message."""
 
 
 class Channel:
@@ -104,7 +104,7 @@ class Channel:
             raise WireError(str(error)) from None
 
     def _wait_at_most(self, patience: float | None) -> None:
-        if patience != self._patience:  # each time it is a call of the system
+        if patience != self._patience:  # each change is a system call
             self._socket.settimeout(patience)
             self._patience = patience
 
@@ -115,13 +115,13 @@ class Channel:
         except ValueError:
             kind = None
         if kind is None or zero or (self._limits is not None and kind not in self._limits):
-            raise WireError("a message of a kind that there is not")
+            raise WireError("an unknown message type")
         if self._limits is not None and length > self._limits[kind]:
             raise WireError(f"a message of {length} bytes, more than {self._limits[kind]}")
         return kind, length
 
     def _read(self, have: bytearray, deadline: float | None) -> None:
-        """Append more of a message to the part that has come."""
+        """Append more of a message to the received part."""
         if have and deadline is not None:
             left = deadline - time.monotonic()
             if left <= 0:
@@ -141,8 +141,8 @@ class Channel:
 class Ready:
     """The message of a worker that has loaded a submission."""
 
-    filled: tuple[str, ...]  # the slots that it fills with code
-    switched_on: tuple[str, ...]  # to the default stage
+    filled: tuple[str, ...]  # the slots filled with code
+    switched_on: tuple[str, ...]  # the slots set to the default stage
     #: Whether its parameter estimator knows the standard errors of its estimates.
     has_standard_errors: bool
     model: RobotModel  # of the robot half
@@ -156,12 +156,12 @@ class Ready:
 
     @classmethod
     def from_bytes(cls, body: bytes, slots: tuple[str, ...]) -> Ready:
-        """Return what a body says; raise WireError, or ValueError for a model that cannot be."""
+        """Return the content of a body; raise WireError, or ValueError for an invalid model."""
         if len(body) != cls._STRUCT.size:
-            raise WireError("a message of another length than it must have")
+            raise WireError("a message of the wrong length")
         filled, switched_on, errors, dt, *theta = cls._STRUCT.unpack(body)
         if max(filled, switched_on) >= 1 << len(slots) or errors > 1:
-            raise WireError("a message with slots that there are not")
+            raise WireError("a message with unknown slots")
         if not (np.isfinite(dt) and dt > 0):
             raise ValueError("the model must have a dt above 0 s")
         model = RobotModel.from_theta(np.reshape(theta, (3, 5)), dt=dt)

@@ -1,4 +1,4 @@
-"""A worker as the grader sees it: it is started, asked, and ended; what is wrong is its fault."""
+"""A worker from the grader's side: its start, its messages and its end; faults are its own."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from robsim.teach.texts import ErrorText, clean_text
 
 R = TypeVar("R")
 
-# The same for most workers, so that they come from one zygote.
+# The same for most workers, so that one zygote starts them.
 _MODULES = (
     "numpy",
     *("robsim.campaigns", "robsim.control", "robsim.lab.cameras", "robsim.estimation.evaluation"),
@@ -37,9 +37,9 @@ _MODULES = (
     *("robsim.simulation", "robsim.trace", "robsim.vision.markers"),
     *("robsim.teach.grading.robot_half", "robsim.teach.grading.answering"),
 )
-_ENDING = 2.0  # s: the most that a worker has to end after its run
-_BUSY = 10.0  # times its processor time: the most that a call may take by the clock
-_DYING = 5.0  # s: the most between the end of its connection and its own end
+_ENDING = 2.0  # s, maximum for a worker's end after its run
+_BUSY = 10.0  # times its processor time: the maximum of a call by the clock
+_DYING = 5.0  # s, maximum between the end of its connection and its own end
 
 
 class Worker(Closing):
@@ -57,7 +57,7 @@ class Worker(Closing):
         self._limits = task.limits_of_worker
         self._deadline = time.monotonic() + self._limits.run
         self._groups: dict[str, tuple[str, ...]] = {}
-        # Where something is masked, the rest stays usable: it is loaded before its file is closed.
+        # robsim loads masked parts before it closes their file, so that the rest stays usable.
         masked = [one for one in modules_with_masked(task.rules) if not one.startswith(_MODULES)]
         ours, theirs = socket.socketpair()
         try:
@@ -107,7 +107,7 @@ class Worker(Closing):
     def exchange(
         self, message: bytes, pixels: NDArray[np.uint8] | None, slot: str, k: int
     ) -> bytes:
-        """Send a step as far as it is known; return it as the worker has filled it in."""
+        """Send a step as far as known; return the worker's completed step."""
         group = self._groups.get(slot, (slot,))
         call = self._limits.first_call if k == 0 else self._limits.call
         parts: list[bytes | memoryview] = [message]
@@ -124,7 +124,7 @@ class Worker(Closing):
         group: tuple[str, ...] = (),
         k: int | None = None,
     ) -> bytes:
-        """Send a message, and return the body of the one that is due within so many seconds."""
+        """Send a message, and return the expected answer, with a time limit (s)."""
         slot = group[0] if group else None
         try:
             came, body = self._exchanged(kind, parts, seconds)
@@ -146,7 +146,7 @@ class Worker(Closing):
     def _exchanged(
         self, kind: Kind, parts: Sequence[bytes | memoryview], seconds: float
     ) -> tuple[Kind, bytes]:
-        """Exchange messages; the time counts in which the worker works, or the clock alone."""
+        """Exchange messages; count the worker's processor time, or the clock alone."""
         begin, worked = time.monotonic(), self.process.cpu_seconds
         patience = min(seconds, max(self._deadline - begin, 1e-3))
         try:
@@ -156,7 +156,7 @@ class Worker(Closing):
             while (left := worked + seconds - self.process.cpu_seconds) > 0:
                 if (now := time.monotonic()) >= latest:
                     break
-                with suppress(TimeoutError, WireError):  # the rest of a message that was late
+                with suppress(TimeoutError, WireError):  # the rest of a late message
                     return self._channel.receive(min(max(left, 0.01), latest - now))
             raise
 
@@ -169,16 +169,16 @@ class Worker(Closing):
 
     def _refuse_kind(self, kind: Kind, body: bytes, slot: str | None, k: int | None) -> NoReturn:
         if kind != Kind.ERROR:
-            self.refuse(slot, k, "the worker has sent a message that is not due")
+            self.refuse(slot, k, "the worker has sent an unexpected message")
         try:
             told = ErrorText.from_json(body)
         except ValueError as error:
-            self.refuse(slot, k, f"the worker has sent an error that is none: {error}")
+            self.refuse(slot, k, f"the worker has sent a malformed error message: {error}")
         room = shutil.disk_usage(tempfile.gettempdir()).free
         if told.type == "OSError" and room < self._limits.folder_size:
             raise GraderError(f"the grader's disk is full: {told.message}", slot=slot, step=k)
         if told.type == "MemoryError":
-            more = f"it asked for more than {as_size(self._limits.memory)}"
+            more = f"it needed more than {as_size(self._limits.memory)}"
             told = replace(told, message=f"{told.message}: {more}" if told.message else more)
         if not told.type and (slot is not None or not told.message):  # else it is a sentence
             told = replace(told, type="Exception")

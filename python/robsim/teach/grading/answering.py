@@ -1,6 +1,6 @@
-"""The worker's side of calls: a function of the submission gets arrays, and gives some.
+"""The worker's side of calls: a function of the submission gets and returns arrays.
 
-Until the submission is loaded, all that is said here comes from the grader, and is trusted.
+Until the submission is loaded, all messages come from the grader, and are trusted.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NUMBER = struct.Struct("<I")
 class CallSetup:
     """The setup of a worker that answers calls."""
 
-    #: Its slots can be called, in the order of their numbers.
+    #: The callable slots, in the order of their numbers.
     submission: SubmissionFiles
     rules: Rules
 
@@ -40,7 +40,7 @@ class CallSetup:
 def serving(
     connection: socket.socket, told: Callable[[BaseException], ErrorText]
 ) -> Iterator[tuple[Channel, Any]]:
-    """Give the channel and the setup of a worker; send the grader the error that ends its work."""
+    """Yield the channel and the setup of a worker; send the grader the error that ends its work."""
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:
@@ -48,7 +48,7 @@ def serving(
     setup = pickle.loads(body)
     try:
         yield channel, setup
-    except BaseException as error:  # also what ends Python
+    except BaseException as error:  # also SystemExit and KeyboardInterrupt
         with suppress(OSError):
             channel.send(Kind.ERROR, told(error).to_json())
 
@@ -81,11 +81,11 @@ def _called(name: str, function: Any, arrays: list[NDArray[Any]]) -> list[NDArra
 
 
 def _plain(arrays: list[NDArray[Any]]) -> list[Any]:
-    return [array[()] for array in arrays]  # those without axes are numbers
+    return [array[()] for array in arrays]  # an array without axes becomes a number
 
 
 def _world(arrays: list[NDArray[Any]]) -> list[Any]:
-    """Return the record that `evaluate_model` gets, made of what `world_arrays` sends."""
+    """Return the record for `evaluate_model` from the arrays of `world_arrays`."""
     pose_1, pose_2, last_u, theta, times, k = arrays
     t, dt, model_dt = times.tolist()
     model = RobotModel.from_theta(theta, dt=model_dt)

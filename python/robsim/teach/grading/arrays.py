@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from robsim.base.text import quoted
 
-#: Bytes of all arrays of a message, and how many they may be.
+#: Maximum size (bytes) and number of all arrays of a message.
 MOST_BYTES, MOST_ARRAYS = 64 << 20, 16
 _KINDS = (np.dtype("<f8"), np.dtype("<i8"), np.dtype("u1"))  # by their codes
 _MOST_AXES = 3
@@ -23,7 +23,7 @@ MOST_MESSAGE = MOST_BYTES + _COUNT.size + MOST_ARRAYS * _ENTRY.size
 
 
 def as_array(what: str, value: Any) -> NDArray[Any]:
-    """Return a value as an array that can be sent: float64, int64 or uint8, of 3 axes at most.
+    """Return a value as an array for a message: float64, int64 or uint8, of at most 3 axes.
 
     Raise TypeError or ValueError with the name `what`.
     """
@@ -51,9 +51,9 @@ def _kind_of(array: NDArray[Any]) -> np.dtype[Any]:
 
 
 def as_arrays(what: str, values: Sequence[Any]) -> list[NDArray[Any]]:
-    """Return values as arrays for one message; raise what `as_array` raises, or ValueError."""
+    """Return values as arrays for one message; raise the errors of `as_array`, or ValueError."""
     if len(values) > MOST_ARRAYS:
-        raise ValueError(f"there may be {MOST_ARRAYS} {what}s, got {len(values)}")
+        raise ValueError(f"at most {MOST_ARRAYS} {what}s are allowed, got {len(values)}")
     one = len(values) == 1
     names = [f"the {what}" if one else f"{what} {i}" for i in range(1, len(values) + 1)]
     arrays = [as_array(name, value) for name, value in zip(names, values, strict=True)]
@@ -78,12 +78,12 @@ def from_message(message: bytes | memoryview) -> list[NDArray[Any]]:
     count = _COUNT.unpack_from(message)[0] if len(message) >= _COUNT.size else -1
     place = _COUNT.size + max(count, 0) * _ENTRY.size
     if not 0 <= count <= MOST_ARRAYS or len(message) < place:
-        raise ValueError("arrays whose heads are not there")
+        raise ValueError("arrays with missing heads")
     arrays = []
     for i in range(count):
         kind, axes, *shape = _ENTRY.unpack_from(message, _COUNT.size + i * _ENTRY.size)
         if kind >= len(_KINDS) or axes > _MOST_AXES:
-            raise ValueError("an array of a kind that there is not")
+            raise ValueError("an array of an unknown type")
         size = math.prod(shape[:axes])
         if size * _KINDS[kind].itemsize > len(message) - place:
             raise ValueError("an array that is longer than its message")
@@ -91,7 +91,7 @@ def from_message(message: bytes | memoryview) -> list[NDArray[Any]]:
         try:
             arrays.append(array.reshape(shape[:axes]).copy())
         except (ValueError, OverflowError):  # an axis of 0 beside one of 2**60
-            raise ValueError("an array of a shape that cannot be") from None
+            raise ValueError("an array of an invalid shape") from None
         place += array.nbytes
     if place != len(message):
         raise ValueError("arrays that do not fill their message")

@@ -1,7 +1,7 @@
-"""Calls of a submission's functions: arrays go to a worker, arrays come back, and are checked.
+"""Calls of a submission's functions: arrays go to a worker and back, and are checked.
 
-A judge is a function of a trusted module that examines callbacks in the worker. Its result
-comes back as text of the worker, which the grader never trusts: the submission may have written it.
+A judge is a function of a trusted module that examines callbacks in the worker. The grader never
+trusts its result, a text of the worker: the submission may have written the text.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from robsim.teach.grading.task import Done, Task
 from robsim.teach.submissions import loaded_slots
 from robsim.teach.texts import ErrorText, clean_text, error_text
 
-_FARTHEST = 1e9  # px, rad: no robot gets there
+_FARTHEST = 1e9  # px, rad: beyond any robot
 #: A shape, with None for an axis of any length; of several results a list of shapes.
 Shape = tuple[int | None, ...]
 
@@ -77,7 +77,7 @@ def wanted(shape: Any, finite: bool) -> Wanted:
 
 
 class CallWorker(Worker):
-    """A process that answers calls; it knows what each call gives it, and nothing else."""
+    """A process that answers calls; it knows only the arguments of each call."""
 
     _ENTRY = "robsim.teach.grading.answering:work"
     _LIMITS = LIMITS | {Kind.RESULT: MOST_MESSAGE}
@@ -138,19 +138,19 @@ def _called(
                 raise
             message = f"{error} (in call {number} of {len(calls)})"
             raise SubmissionError(message, **error._place) from None
-        values = [array[()] for array in arrays]  # those without axes are numbers
+        values = [array[()] for array in arrays]  # an array without axes becomes a number
         results.append(values[0] if len(values) == 1 else tuple(values))
     return results
 
 
 def world_slots(worker: CallWorker) -> dict[str, Callable[[Any], NDArray[Any]]]:
-    """Return callbacks for a simulation here: each asks the worker, with arrays alone."""
+    """Return callbacks for a simulation here, which call the worker with arrays."""
 
     def evaluate_model(world: WorldState) -> NDArray[Any]:
         arrays = world_arrays(world)
         (pose,) = worker.call("evaluate_model", arrays, Wanted([(3,)]), world.k)
         if (abs(pose.astype(np.float64)) > _FARTHEST).any():
-            worker.refuse("evaluate_model", world.k, f"no robot gets to {pose}")
+            worker.refuse("evaluate_model", world.k, f"no robot can reach {pose}")
         return pose
 
     def adjust_background(background: NDArray[np.uint8]) -> NDArray[Any]:
@@ -199,14 +199,14 @@ def work(connection: socket.socket, memory: Sequence[int]) -> None:
 
 
 class JudgeWorker(Worker):
-    """A process in which a judge, who is there before any mask, looks at a submission."""
+    """A process in which a judge, loaded before any mask, examines a submission."""
 
     _ENTRY = "robsim.teach.grading.calling:work"
     _LIMITS = LIMITS | {Kind.RESULT: _MOST_SAID}
     _MODULES = (*Worker._MODULES, "robsim.teach.doctor._finding")
 
     def said(self, seconds: float) -> str:
-        """Return what the judge says, within so many seconds, as text that is harmless."""
+        """Return the judge's text, made harmless, with a time limit (s)."""
         parts = [pickle.dumps(self._setup)]
         said = self._asked(Kind.HELLO, Kind.RESULT, parts, seconds)
         return clean_text(said.decode("utf-8", "replace"))
@@ -215,8 +215,8 @@ class JudgeWorker(Worker):
 def judged(task: Task, judge: str, seconds: float) -> Done[str]:
     """Return the text of a judge, which the submission may have written.
 
-    The judge is ``"module:function"`` of robsim. Raise SubmissionError if the submission fails, or
-    after so many seconds.
+    The judge is ``"module:function"`` of robsim. Raise SubmissionError if the submission fails or
+    exceeds the time limit (s).
     """
     short = replace(task, limits=replace(task.limits, run=seconds))
     with JudgeWorker(JudgeSetup(task.submission, task.rules, judge), short) as worker:

@@ -1,4 +1,4 @@
-"""A run that is graded: the world half here, with truth and trace, the robot half in a worker."""
+"""A graded run: the world half here, with truth and trace, the robot half in a worker."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LARGEST_INPUT = 12.0  # V
 
 
 class GradedSimulation(Simulation):
-    """A simulation in which some slots are filled by a worker."""
+    """A simulation with some slots in a worker."""
 
     def __init__(
         self, task: Task, scenario: Scenario, seeds: RunSeeds, worker: Worker, ready: Ready
@@ -52,7 +52,7 @@ class GradedSimulation(Simulation):
                 self._set_slot(slot, True)
         self._set_slot("define_model", ready.model)
         set_noise_keys(self, seeds)
-        # Samples of the truth tell where the robot is: they are for an estimator of parameters.
+        # Samples of the truth reveal the robot's pose: they are for an estimator of parameters.
         self._gives_samples = are_samples_given(scenario.identify_from, filled)
         sends_frames = given_to(filled, task.frames) != "pose"
         if worker.memory is not None and sends_frames:
@@ -100,7 +100,7 @@ def graded_run(task: Task, scenario: Scenario, steps: int, seeds: RunSeeds) -> D
 
 @contextmanager
 def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]:
-    """Give a worker that has been told of a task, and end it."""
+    """Yield a worker that knows a task, and end it."""
     scenario = _with_model(scenario)
     with ExitStack() as stack:
         memory = None
@@ -111,7 +111,7 @@ def started(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Worker]
 
 
 def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> GradedSimulation:
-    """Return the simulation whose robot half a worker has."""
+    """Return the simulation of a worker's robot half."""
     scenario = _with_model(scenario)
     ready = worker.ready()
     known = scenario._model
@@ -135,12 +135,12 @@ def _world(
 
 
 def _driven(simulation: Simulation, steps: int, task: Task) -> Trace:
-    """Run; report whose fault a failing callback is, here or in the worker."""
+    """Run; report whether a failing callback is here or in the worker."""
     simulation._warns = False
     try:
         return simulation.run(steps)
     except GradingError as error:
-        # No name here for what is raised: with its traceback it would keep the worker.
+        # No name here for the raised error: with its traceback it would keep the worker.
         raise _with_trace(error, simulation) from None
     except Exception as error:
         failed = callback_of(error)
@@ -156,7 +156,7 @@ def _driven(simulation: Simulation, steps: int, task: Task) -> Trace:
 
 
 def _with_trace(error: GradingError, simulation: Simulation) -> GradingError:
-    """Return an error without the notes of the loop on a callback here, and the steps until it."""
+    """Return an error with the steps until then, without the loop's notes on a callback here."""
     told = error._anew()
     if isinstance(told, SubmissionError) and len(simulation.trace):
         told.trace = simulation.trace
@@ -189,7 +189,7 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
         markers=scenario._marker_layout,
         smoothing=scenario.smoothing,
         model=model,
-        # Else it is told the parameters: it must not see the samples that they come from.
+        # Otherwise it gets the parameters: it must not see the samples of the truth.
         estimates_parameters=given["estimate_parameters"] is True
         and are_samples_given(scenario.identify_from, task.rules.slots),
         controller_seed=stream_number(seeds.robot, "controller"),
@@ -199,9 +199,9 @@ def _setup(task: Task, scenario: Scenario, seeds: RunSeeds) -> Setup:
 
 @contextmanager
 def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simulation]:
-    """Give a simulation that has all in this process, and trusts the submission.
+    """Yield a simulation that has all in this process, and trusts the submission.
 
-    It gives to the byte what must come with a worker, where that is given the same samples.
+    Its results equal a worker's results to the byte if the worker gets the same samples.
     """
     simulation = _world(task, scenario, seeds)
     with loaded_slots(task.submission, task.rules) as callbacks:
@@ -216,7 +216,7 @@ def all_here(task: Task, scenario: Scenario, seeds: RunSeeds) -> Iterator[Simula
 
 @dataclass(frozen=True)
 class GradedRuns(WholeRun):
-    """Graded runs as those of a campaign."""
+    """Graded runs for a campaign."""
 
     task: Task
     key: Key | None
@@ -245,7 +245,7 @@ class GradedRuns(WholeRun):
 def seeds_of(
     key: Key | None, student: str, test: str, run: int, steps: int, seed: Seed
 ) -> RunSeeds:
-    """Return those that are given; else those of the key, or of a new one."""
+    """Return the seeds of `seed`; else of the key, or of a new one."""
     if seed is not None:
         return RunSeeds.of(seed)
     check_int("number", run, minimum=0, maximum=2**62)

@@ -1,4 +1,4 @@
-"""The secret key of an assignment: seeds and noise that nobody can guess, and that come again."""
+"""The secret key of an assignment: unpredictable and repeatable seeds and noise."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ _READABLE = stat.S_IRWXG | stat.S_IRWXO
 
 
 class Key:
-    """A secret from which all that is random in graded runs follows, by name.
+    """A secret that determines all randomness in graded runs, by name.
 
-    Seeds are HMAC-SHA256 of purpose and names, each with its length before it; world and robot have
-    seeds of their own, and none tells anything of another. With the key, any run can be repeated.
+    Seeds are HMAC-SHA256 of purpose and names, each after its length. World and robot have
+    separate seeds, which do not reveal one another. The key can repeat any run.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Key:
     Raises
     ------
     TypeError, ValueError
-        If it is no bytes, or too short.
+        If the secret is no bytes, or too short.
     """
 
     def __init__(self, secret: bytes) -> None:
@@ -58,17 +58,17 @@ class Key:
 
     @classmethod
     def new(cls) -> Key:
-        """Return a new key, of the operating system's random numbers."""
+        """Return a new key from the operating system's random numbers."""
         return cls(secrets.token_bytes(_BYTES))
 
     @classmethod
     def public(cls) -> Key:
-        """Return the key of public tests, which everybody has."""
+        """Return the key of public tests, known to all."""
         return cls(hashlib.sha256(b"robsim public key").digest())
 
     @property
     def is_public(self) -> bool:
-        """Whether it is the key that everybody has."""
+        """Whether this is the key of public tests."""
         return hmac.compare_digest(self._secret, Key.public()._secret)
 
     @classmethod
@@ -78,12 +78,12 @@ class Key:
         Raises
         ------
         AssignmentError
-            If there is none, if it is no key, or if others can read the file.
+            If the file is missing or no key, or if other users can read it.
 
         Warns
         -----
         UserWarning
-            On Windows, where it is not checked who can read it.
+            On Windows, because the readers of the file are not checked there.
         """
         file = as_path(path)
         text = _private_text(file)
@@ -98,12 +98,12 @@ class Key:
             ) from None
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write it to a new file that only you can read.
+        """Write the key to a new file that only you can read.
 
         Raises
         ------
         FileExistsError
-            If there is a file: with another key its runs could not be repeated.
+            If the file exists: its runs could not be repeated with another key.
         """
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
         descriptor = os.open(as_path(path), flags, 0o600)
@@ -116,28 +116,28 @@ class Key:
         Parameters
         ----------
         student, test : str
-            Their names; an empty student is all of them, where a test is the same for each.
+            Their names; an empty student stands for all, if a test is the same for each.
         run : int
             The number of the run, from 0.
         """
         return int.from_bytes(self._digest("world", student, test, run)[:16], "little")
 
     def robot_seed(self, student: str, test: str, run: int) -> int:
-        """Return the seed that the robot's software gets, which tells nothing of the world's."""
+        """Return the seed of the robot's software, which does not reveal the world's seed."""
         return int.from_bytes(self._digest("robot", student, test, run)[:16], "little")
 
     def noise_keys(self, student: str, test: str, run: int, frames: int) -> NDArray[np.uint64]:
-        """Return the key, of 64 bits, of the noise of each frame of a run.
+        """Return the 64-bit keys for the noise of each frame of a run.
 
-        From a secret of the run, of 256 bits, BLAKE2b makes a key of each frame's number: none
-        tells anything of another. A longer run begins with the same keys.
+        BLAKE2b makes each key from a 256-bit secret of the run and the frame's number. No key
+        reveals another. A longer run begins with the same keys.
 
         Parameters
         ----------
         student, test, run
-            As for `world_seed`.
+            See `world_seed`.
         frames : int
-            How many frames.
+            Number of frames.
 
         Returns
         -------
@@ -173,7 +173,7 @@ class Key:
         return "<Key: public>" if self.is_public else "<Key: secret>"
 
 
-# Without those that are taken for one another; 32, so that each is as likely.
+# Without characters that look alike; 32, so that each is equally likely.
 _LETTERS = "abcdefghijkmnpqrstuvwxyz23456789"
 
 
@@ -187,7 +187,7 @@ def _name(argument: str, name: str) -> bytes:
 
 
 def _private_text(file: Path) -> str:
-    """Return the text of a file that nobody else can read; else raise AssignmentError."""
+    """Return the text of a file that no other user can read; else raise AssignmentError."""
     named = one_line(file)
     try:
         with file.open("rb") as stream:
@@ -198,10 +198,10 @@ def _private_text(file: Path) -> str:
             f"the key {named} cannot be read: {error.strerror}", file=named
         ) from None
     if sys.platform == "win32":
-        warnings.warn(f"who can read the key {named} is not checked on Windows", stacklevel=3)
+        warnings.warn(f"the readers of the key {named} are not checked on Windows", stacklevel=3)
     elif mode & _READABLE:
         raise AssignmentError(
-            f"others can read the key {named}, and with it all graded runs: chmod 600 {named}; if "
+            f"others can read the key {named}, and repeat all graded runs: chmod 600 {named}; if "
             "students have access to this machine, make a new key",
             file=named,
         )
@@ -219,14 +219,14 @@ class RunSeeds:
 
     @classmethod
     def of(cls, seed: Seed) -> RunSeeds:
-        """Return those of a run that a simulation with this seed gives again, byte for byte."""
+        """Return the seeds of the run that a simulation with this seed repeats, byte for byte."""
         world = seed_sequence(seed)
         digest = hashlib.sha256(f"robot half|{seed_record(world)}".encode()).digest()
         return cls(world, np.random.SeedSequence(int.from_bytes(digest[:16], "little")))
 
     @classmethod
     def of_key(cls, key: Key, student: str, test: str, run: int, steps: int) -> RunSeeds:
-        """Return those of a run that only who has the key can repeat."""
+        """Return the seeds of a run that only the key can repeat."""
         return cls(
             np.random.SeedSequence(key.world_seed(student, test, run)),
             np.random.SeedSequence(key.robot_seed(student, test, run)),

@@ -1,4 +1,4 @@
-"""What pytest does where it grades a submission; loaded by `pytest_robsim`."""
+"""The grading of a submission by pytest; loaded by `pytest_robsim`."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from robsim.teach.isolation import IsolationError, IsolationReport, check_isolat
 
 _OPTION = "--robsim-submission"
 _OPTIONS = ("slots", "functions", "imports", "masked", "frames", "limits")  # of the marker
-_NOT_STRICT, _NO_WORKER = 3, 2  # exit statuses, as of ``robsim grade``
+_NOT_STRICT, _NO_WORKER = 3, 2  # exit statuses, the same as in ``robsim grade``
 _WHOSE = "robsim_whose"  # of a report
-# What a submission does is a failed test, what others do an error.
+# A fault of the submission is a failed test, a fault of others an error.
 _FAILED, _ERROR = ("failed", "F", "FAILED"), ("error", "E", "ERROR")
 _NOT_THEIRS = (
     Path(__file__).parents[2],  # robsim
@@ -41,12 +41,12 @@ class Grading:
         options = config.known_args_namespace
         if _OPTION in config.invocation_params.args:
             raise pytest.UsageError(
-                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': pytest takes "
-                "what follows a blank for tests as well, and uses a pytest.ini that lies in it"
+                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': pytest takes a "
+                "path after a blank for tests as well, and uses a pytest.ini in it"
             )
         self._path = Path(os.path.abspath(options.robsim_submission))
         if not os.path.lexists(self._path):
-            raise pytest.UsageError(f"{_OPTION}: there is no {one_line(self._path)}")
+            raise pytest.UsageError(f"{_OPTION}: {one_line(self._path)} is missing")
         _keep_apart(self._path, options.file_or_dir or _default_tests(config))
         try:
             self._key = None if options.robsim_key is None else Key.load(options.robsim_key)
@@ -59,7 +59,7 @@ class Grading:
         self._given: dict[str, Any] = {}
 
     def grade_by(self, key: Key | None, options: Mapping[str, Any]) -> None:
-        """Let a key and options of `Submission` hold for all tests, whose markers change them."""
+        """Use a key and options of `Submission` for all tests; their markers change the options."""
         self._key, self._given = key, dict(options)
 
     def submission_for(self, item: pytest.Item) -> Submission:
@@ -74,7 +74,7 @@ class Grading:
             rules |= marker.kwargs
         if not rules.keys() & {"slots", "functions"}:
             raise AssignmentError(
-                "which slots may the submission fill? In the tests: pytestmark = "
+                "the slots of the submission are missing. Set them in the tests: pytestmark = "
                 'pytest.mark.robsim_submission(slots="control"), or --robsim-slots control'
             )
         try:
@@ -89,8 +89,8 @@ class Grading:
             raise AssignmentError(f"robsim_submission: {error}") from None
 
     def pytest_sessionstart(self, session: pytest.Session) -> None:
-        """End at once where no submission can be run, or not shut in as it must."""
-        if hasattr(session.config, "workerinput"):  # a process of xdist: its parent looks
+        """Exit at once if no submission can run, or if strict isolation is unavailable."""
+        if hasattr(session.config, "workerinput"):  # a process of xdist: its parent checks
             return
         try:
             self._report = check_isolation(isolation=self._isolation)
@@ -102,7 +102,7 @@ class Grading:
             pytest.exit(str(self._report), returncode=_NOT_STRICT)
 
     def pytest_report_header(self) -> list[str]:
-        """Say what is graded, and what holds of its isolation."""
+        """Return the submission and its isolation."""
         if self._report is None:
             return []
         lines = [f"submission: {one_line(self._path)}", self._report.isolation_line]
@@ -111,14 +111,14 @@ class Grading:
         return lines
 
     def pytest_ignore_collect(self, collection_path: Path) -> bool | None:
-        """Leave out what lies in the submission: here, it would be run."""
+        """Ignore the files in the submission, which would run here."""
         return _within(collection_path.resolve(), self._path.resolve()) or None
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(
         self, item: pytest.Item, call: pytest.CallInfo[None]
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-        """Show whose fault an error is, in place of our own lines."""
+        """Show the cause of an error instead of our own lines."""
         report = yield
         error = call.excinfo.value if call.excinfo is not None else None
         if report.failed and (output := printed_in(item, error)):
@@ -134,7 +134,7 @@ class Grading:
     def pytest_report_teststatus(
         self, report: pytest.CollectReport | pytest.TestReport
     ) -> tuple[str, str, str] | None:
-        """Count what a submission does as failed, and what others do as an error."""
+        """Count faults of a submission as failed, and faults of others as errors."""
         whose = getattr(report, _WHOSE, None)
         if whose is None:
             return None
@@ -149,39 +149,39 @@ def printed_in(item: pytest.Item, error: BaseException | None) -> str:
 
 
 def _default_tests(config: pytest.Config) -> Sequence[str]:
-    """Return where pytest looks for tests that no argument names."""
+    """Return the default paths of pytest's tests."""
     here = config.invocation_params.dir
-    if here != config.rootpath:  # testpaths of a pytest.ini further up do not count
+    if here != config.rootpath:  # testpaths of a parent folder's pytest.ini do not count
         return [os.curdir]
     found = [path for pattern in config.getini("testpaths") for path in sorted(glob(pattern))]
     return found or [os.curdir]
 
 
 def _keep_apart(path: Path, tests: Sequence[str]) -> None:
-    """Raise pytest.UsageError where pytest would run files of a submission by itself."""
+    """Raise pytest.UsageError if pytest would run files of a submission."""
     submission = path.resolve()
     if submission.is_dir() and _within(Path.cwd().resolve(), submission):
         raise pytest.UsageError(
             "this is the folder of the submission, where Python looks for modules: "
-            "run pytest in another one"
+            "run pytest in another folder"
         )
     for test in tests:
         place = Path(test.partition("::")[0]).resolve()
         if _within(submission, place) or _within(place, submission):
             raise pytest.UsageError(
-                f"{one_line(place)} and the submission {one_line(path)} are not apart: pytest "
+                f"{one_line(place)} and the submission {one_line(path)} overlap: pytest "
                 "would run its conftest.py and test_*.py here. Name your files of tests: "
                 "python -m pytest --robsim-submission=PATH TESTS.py"
             )
         if submission.parent in (place.parent, Path.cwd().resolve()) and _is_module(submission):
             raise pytest.UsageError(
-                f"{one_line(path)} has the name of a module, and lies where Python looks for "
+                f"{one_line(path)} has the name of a module in Python's search path for "
                 "modules: put it into a folder of submissions"
             )
 
 
 def _is_module(submission: Path) -> bool:
-    """Whether Python finds a module of that name elsewhere, in whose place it would be loaded."""
+    """Whether Python finds another module of that name, which the submission would replace."""
     name, places = submission.stem, [*map(Path, sys.path)]
     if name in sys.modules or name in sys.stdlib_module_names:
         return True
@@ -195,14 +195,14 @@ def _within(inner: Path, outer: Path) -> bool:
 
 
 def _in_short(excinfo: pytest.ExceptionInfo[BaseException], sentence: str) -> Any:
-    """Return what is shown of an error: the lines of the tests, and a sentence."""
+    """Return the short form of an error: the lines of the tests, and a sentence."""
     if not _lines_of_tests(excinfo):
         shown = excinfo.getrepr(style="value", chain=False)
     else:
-        # The cause is of interest where it is the teacher's.
+        # The cause matters if it is the teacher's.
         chain = isinstance(excinfo.value, AssignmentError)
         shown = excinfo.getrepr(style="short", chain=chain, tbfilter=_lines_of_tests)
-    if shown.reprcrash is not None:  # which a summary shows, and JUnit
+    if shown.reprcrash is not None:  # for a summary and JUnit
         shown.reprcrash.message = sentence
     return shown
 

@@ -1,6 +1,6 @@
 """The worker's side of a graded run: the robot half, with the callbacks of a submission.
 
-Until the submission is loaded, all that is said here comes from the grader, and is trusted.
+Until the submission is loaded, all messages come from the grader, and are trusted.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from robsim.trace import Trace
 from robsim.trace.columns import RECORDED
 from robsim.vision.robots.definition import RobotDefinition
 
-#: The slots that a submission may fill in a worker, in the order of the bits of `Ready`.
+#: The possible slots of a submission in a worker, in the order of the bits of `Ready`.
 ROBOT_SLOTS = names(half=ROBOT)
 STAGES = names(half=ROBOT, when=STEP)
 
@@ -53,11 +53,11 @@ class Setup:
     model: RobotModel  # of the robot half, unless the submission defines another
     estimates_parameters: bool
     controller_seed: int  # of ``step.controller_seed``
-    frames: Frames  # as of `Task`
+    frames: Frames  # see `Task`
 
 
 def filled_stages(callbacks: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the stages of each step that callbacks of a submission do, True being no callback."""
+    """Return the stages of each step that callbacks of a submission fill; True is no callback."""
     filled = {slot for slot in STAGES if callable(callbacks.get(slot))}
     has_estimator = callable(callbacks.get("init_parameter_estimator"))
     if has_estimator and callbacks.get("estimate_parameters") is not False:
@@ -126,7 +126,7 @@ class RobotHalf(Runner):
         self._ready = self._readiness(callbacks, filled)
 
     def _told(self, filled: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the grader's stages whose results this half is told before its own last one."""
+        """Return the grader's stages whose results this half gets before its own last one."""
         last = max((STAGES.index(stage) for stage in filled), default=-1)
         native = "estimate_parameters" if self._callbacks["estimate_parameters"] is True else ""
         return tuple(
@@ -161,7 +161,7 @@ class RobotHalf(Runner):
         return self.trace
 
     def _change_vision(self, **changes: Any) -> NoReturn:
-        raise AttributeError("a graded robot half cannot change what it looks for")
+        raise AttributeError("a graded robot half cannot change its markers")
 
     def _theta_true(self) -> ArrayLike:
         return np.full((3, 5), np.nan)
@@ -180,7 +180,7 @@ def _told(error: BaseException) -> ErrorText:
     told = error_text(error)
     for kind, name in ((CallbackTypeError, "TypeError"), (CallbackValueError, "ValueError")):
         if type(error) is kind:
-            # Which callback it was at which step, and where that is, is told anyway.
+            # The error has callback, step and line anyway.
             line, _, _ = told.message.partition("\n")
             return dataclasses.replace(told, type=name, message=line.partition(": ")[2] or line)
     return told

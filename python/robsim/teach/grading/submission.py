@@ -1,4 +1,4 @@
-"""`Submission`: what somebody has handed in, and its runs."""
+"""`Submission`: a student's code, and its runs."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ R = TypeVar("R")
 
 
 class Submission:
-    """What somebody has handed in, run in a process that is shut in.
+    """A student's code, which runs in a separate process in a sandbox.
 
-    Nothing of it is run in this process. Each run has a process of its own, which has the robot
-    half alone: frames or poses go over, inputs and numbers come back, and are checked. This
-    process has the world half, the truth and the trace. An honest submission gives the same trace
-    as in one process, byte for byte.
+    This process runs no code of it. Each run has a separate process with only the robot half: it
+    gets frames or poses, and returns inputs and numbers, which are checked. This process has the
+    world half, the truth and the trace. An honest submission gives the same trace as in one
+    process, byte for byte.
 
-    A stage that the submission does not fill is done here, so that nobody can say what it gave.
-    Samples of the truth (`identify_from`) tell where the robot is: they go to submissions that may
-    fill the parameter estimator, and no other stage; others get the parameters alone.
+    The grader computes all stages that the submission does not fill, so their results are trusted.
+    Samples of the truth (`identify_from`) reveal the robot's pose: they go to submissions that may
+    fill the parameter estimator, and no other stage; others get only the parameters.
 
-    A submission may fill slots of the world in place of those of the robot half. Then its process
-    gets what `evaluate_model` and `adjust_background` document, and nothing of the rest.
+    A submission may fill slots of the world instead of the robot half. Then its process
+    gets only the documented inputs of `evaluate_model` and `adjust_background`.
 
     Parameters
     ----------
@@ -62,38 +62,38 @@ class Submission:
     functions : str or sequence of str
         The functions that it may define, for `call`.
     imports : sequence of str, optional
-        The modules that it may import. Default: all that there are.
+        The modules that it may import. Default: all installed modules.
     masked : sequence of str
-        Modules that it cannot have, such as ``"robsim.estimation.reference"``. Of those that robsim
-        itself needs to run a submission (`robsim.estimation`, `robsim.vision`, ...), and of single
-        names, only what is written in plain Python is refused: code that searches memory finds
-        them.
+        Modules that it cannot use, such as ``"robsim.estimation.reference"``. robsim itself needs
+        some modules to run a submission (`robsim.estimation`, `robsim.vision`, ...). Of these, and
+        of single names, only plain Python code is refused: a search of the memory can find the
+        rest.
     defaults : bool
-        Whether what robsim brings along may fill slots: True, ``ENABLED = False``, its templates,
-        its objects. By default such slots count as not handed in.
+        Whether robsim's own code may fill slots: True, ``ENABLED = False``, its templates,
+        its objects. By default such slots count as empty.
     frames : bool or "blobs", optional
-        Whether it sees the frames, or the blobs in them alone. Default: the frames, if it fills
+        Whether it sees the frames, or only the blobs in them. Default: the frames, if it fills
         `measure`. Poses are cheaper.
     limits : WorkerLimits, optional
-        What it may weigh, and what a run may take: time, memory, output, files.
+        The limits of its size and of a run: time, memory, output, files.
     isolation : {"auto", "strict", "process", "none"}
-        How its process is shut in; see `check_isolation`.
+        The isolation of its process; see `check_isolation`.
     key : Key, optional
-        What the seeds of the runs come from. Default: those that are given with each run, else
-        secret ones that are forgotten.
+        The source of the runs' seeds. Default: the seed of each run, else secret seeds, which are
+        forgotten.
     student : str, optional
-        The name for the key. Default: that of the file or folder.
+        The name for the key. Default: the name of the file or folder.
     test : str, optional
-        The name of the test, for the key, of runs that give none. pytest's fixture gives that of
-        the test.
+        The default name of the test, for the key. pytest's fixture uses the name of
+        the test function.
     given : mapping of str to bytes, optional
-        Files by name that lie beside it, such as a module with the values of its task. They count
-        in place of its own copies.
+        Files for it by name, such as a module with the values of its task. They replace its
+        copies.
 
     Raises
     ------
     SubmissionError
-        If it cannot be read, has what it may not have, or fills none of the slots.
+        If it is unreadable, has forbidden content, or fills none of the slots.
     TypeError, ValueError
         If an argument is wrong; the message names it.
 
@@ -102,9 +102,9 @@ class Submission:
     name : str
         Its name.
     output : str
-        What it has printed in the last run or call, cut; what cannot be seen stands as escapes.
+        The printed output of the last run or call, cut; invisible characters are escaped.
     isolation_line : str
-        What has shut it in then.
+        The layers of the sandbox in that run.
 
     Examples
     --------
@@ -154,7 +154,7 @@ class Submission:
 
     @property
     def slots(self) -> tuple[str, ...]:
-        """The slots for which it has something."""
+        """The slots that it fills."""
         return tuple(name for name in self._task.submission.slots if name in SLOTS)
 
     @property
@@ -164,7 +164,7 @@ class Submission:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was left out when it was read, as sentences."""
+        """The files that were left out, as sentences."""
         return self._task.submission.notes
 
     def run(
@@ -182,21 +182,21 @@ class Submission:
         Parameters
         ----------
         scenario : Scenario
-            The world. Where it has no model, that of the default parameters.
+            The world. A scenario without a model uses the default parameters.
         steps : int
             Number of steps.
         seed : int, SeedSequence or Generator, optional
-            Seed of the run, which is then that of ``Simulation(scenario, seed=seed)``: for public
-            tests, as who knows it knows all noise. Default: from the key, by `test` and `number`;
+            Seed of the run, the same as in ``Simulation(scenario, seed=seed)``: only for public
+            tests, because it reveals all noise. Default: from the key, by `test` and `number`;
             without a key a secret one.
         test : str, optional
-            The name of the test, for the key; each has other worlds. Default: that of the
-            `Submission`, which it must have where it has a key.
+            The name of the test, for the key; each has other worlds. Default: the `Submission`'s
+            name; required with a key.
         number : int
             The number of the run in the test, for the key.
         **callbacks
-            What fills slots that the submission may not fill, as for `Simulation`; it is run here,
-            and is trusted.
+            The callbacks for other slots, as for `Simulation`; they run here, and are
+            trusted.
 
         Returns
         -------
@@ -207,14 +207,14 @@ class Submission:
         ------
         SubmissionError
             If the submission fails: its code raises an exception, takes too long, ends its process,
-            or gives what cannot be; with slot, step and line.
+            or returns an invalid result; with slot, step and line.
         AssignmentError
             If one of `callbacks` fails.
         GraderError
             If no process can be started.
         TypeError, ValueError
-            If an argument is wrong; the message names it. So where `slots` has the parameter
-            estimator beside other stages, and the scenario identifies from the truth.
+            If an argument is wrong; the message names it. Also if `slots` has the parameter
+            estimator and other stages, and the scenario identifies from the truth.
         """
         task = self._task_with(callbacks, scenario)
         n_steps = _checked(scenario, steps)
@@ -223,7 +223,7 @@ class Submission:
         return self._noted(lambda: graded_run(task, scenario, n_steps, seeds))
 
     def _noted(self, act: Callable[[], Done[R]]) -> R:
-        """Return what comes of a run or of calls; note what was printed, and what held."""
+        """Return the result of a run or of calls; note its output and isolation."""
         self.output = self.isolation_line = ""
         try:
             done = act()
@@ -240,17 +240,17 @@ class Submission:
         shape: Shape | list[Shape] | None = None,
         finite: bool = True,
     ) -> Any:
-        """Call one of its functions, in a process of its own that is shut in.
+        """Call one of its functions, in a separate process in a sandbox.
 
         Parameters
         ----------
         name : str
-            One of `functions` of the assignment.
+            A name in `functions`.
         *arrays : array_like
-            What it gets: at most 16 arrays of up to three axes, of real numbers, as float64, int64
-            or uint8, of 64 MiB in all. Those without an axis it gets as numbers.
+            The arguments: at most 16 arrays of up to three axes, of real numbers, as float64, int64
+            or uint8, of 64 MiB in all. An array without axes becomes a number.
         shape : tuple, or list of tuples, optional
-            What it must return: an array of that shape, None for an axis of any length, as in
+            The required result: an array of that shape, None for an axis of any length, as in
             ``(None, 2)``; or, as a list, a tuple of several arrays. Default: any.
         finite : bool
             Whether all numbers must be finite.
@@ -258,13 +258,13 @@ class Submission:
         Returns
         -------
         array, number, or tuple of these
-            What it returns, with the limits of what it gets; lists of numbers as arrays.
+            The result, with the same limits as the arguments; lists of numbers become arrays.
 
         Raises
         ------
         SubmissionError
-            If it has no such function, which fails, takes too long, ends its process, or returns
-            what cannot be; with function and line.
+            If the function is missing, fails, takes too long, ends its process, or returns an
+            invalid result; with function and line.
         GraderError
             If no process can be started.
         TypeError, ValueError
@@ -286,26 +286,26 @@ class Submission:
         shape: Shape | list[Shape] | None = None,
         finite: bool = True,
     ) -> list[Any]:
-        """Call one of its functions many times, one after the other in one process.
+        """Call one of its functions many times in one process.
 
-        It may remember the calls before. Calls that it must not connect are those of `call`.
+        It may remember previous calls. Use `call` for independent calls.
 
         Parameters
         ----------
         name, shape, finite
-            As in `call`.
+            See `call`.
         arguments : iterable of tuple
-            What each call gets.
+            The arguments of each call.
 
         Returns
         -------
         list
-            What each call returns.
+            The result of each call.
 
         Raises
         ------
         SubmissionError, GraderError, TypeError, ValueError
-            As in `call`; nothing is returned if one call fails.
+            As in `call`; if one call fails, nothing is returned.
         """
         if check_text("name", name) not in self._task.rules.functions:
             known = ", ".join(self._task.rules.functions) or "none"
@@ -338,23 +338,23 @@ class Submission:
         Parameters
         ----------
         scenario, steps, test
-            As in `run`.
+            See `run`.
         runs : int
             Number of runs.
         metrics, executor, store, keep, progress
-            As in `robsim.campaign`.
+            See `robsim.campaign`.
         seed : int, SeedSequence or Generator, optional
-            What the seeds of the runs come from: that of run i is
-            ``SeedSequence(seed, spawn_key=(i,))``, for public tests. Default: from the key, by
+            The seed of all runs, for public tests: run i has
+            ``SeedSequence(seed, spawn_key=(i,))``. Default: from the key, by
             `test` and i; without a key secret ones.
         callbacks : mapping of str to callback, optional
-            What fills other slots, as in `run`; for other processes it must have a name in a
-            module. One that remembers its run is none for many.
+            The callbacks of other slots, as in `run`; other processes need callbacks with a name
+            in a module. A callback must not remember earlier runs.
 
         Returns
         -------
         CampaignResult
-            A row for each run; of one that failed, what the submission did, and where. Its case has
+            A row for each run; of a failed run, the error and its place. Its case has
             the name of the submission.
 
         Raises
@@ -381,7 +381,7 @@ class Submission:
             metrics=metrics,
             runs=runs,
             steps=steps,
-            seed=0 if seed is None else seed,  # the key has those that count
+            seed=0 if seed is None else seed,  # the key determines the seeds
             executor=executor,
             store=store,
             keep=keep,
@@ -398,7 +398,7 @@ class Submission:
     def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
         slots = self._task.rules.slots
         if not slots:
-            raise ValueError("slots must have what it may fill in a run: this one has functions")
+            raise ValueError("slots must have a slot for a run: this submission has only functions")
         if not self.slots:
             raise SubmissionError(f"{self.name} fills no slot: it has no {' or '.join(slots)}")
         check_samples(slots, scenario)

@@ -1,4 +1,4 @@
-"""What is the same in all runs of a submission, and in all calls of its functions."""
+"""The common data of all runs of a submission, and of all calls of its functions."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from robsim.teach.submissions.copies import codes_of
 
 #: The slots of the world half.
 WORLD_SLOTS = names(half=WORLD)
-#: What a submission may see of the frames: all, the blobs in them alone, nothing; None = all if it
+#: A submission's view of the frames: all, only the blobs in them, nothing; None = all if it
 #: fills `measure`, else nothing.
 Frames = bool | Literal["blobs"] | None
 
 
 def given_to(slots: Iterable[str], frames: Frames) -> str:
-    """Return what a submission that fills some slots sees: "frames", "blobs" or "pose"."""
+    """Return the input of a submission that fills some slots: "frames", "blobs" or "pose"."""
     if frames == "blobs":
         return "blobs"
     return "frames" if ("measure" in slots if frames is None else frames) else "pose"
@@ -56,7 +56,7 @@ def rules_of(
         other = next(slot for slot in rules.slots if slot not in of_world)
         raise ValueError(
             f"slots must be of the robot half, or of the world, got {other} and {of_world[0]}: "
-            "what fills the world knows the truth"
+            "callbacks of the world know the truth"
         )
     return rules
 
@@ -68,7 +68,7 @@ def check_samples(slots: Sequence[str], scenario: Scenario) -> None:
     if estimators and others and scenario.identify_from == "truth":
         raise ValueError(
             f"slots has {estimators[0]} and {others[0]}, and identify_from is 'truth': the samples "
-            f"tell where the robot is, which {others[0]} must not know; take "
+            f"reveal the robot's pose, which {others[0]} must not know; take "
             "Scenario(identify_from='measurement'), or grade them apart"
         )
 
@@ -97,7 +97,7 @@ class Task:
     callbacks: Mapping[str, Any] = field(default_factory=dict)  # of the teacher
 
     def only(self, names: Iterable[str]) -> Task:
-        """Return the same for some of its slots and functions, so that no others are loaded."""
+        """Return a copy for some of its slots and functions, which loads no others."""
         names = {*names}
 
         def some(known: tuple[str, ...]) -> tuple[str, ...]:
@@ -110,7 +110,7 @@ class Task:
 
     @property
     def limits_of_worker(self) -> WorkerLimits:
-        """The limits, with room for the files that were handed in: they are written there, too."""
+        """The limits, with room for the submitted files, which are written there, too."""
         sizes = [len(content) for content in self.submission.sources.values()]
         return dataclasses.replace(
             self.limits,
@@ -120,7 +120,7 @@ class Task:
 
 
 def hidden_files(rules: Rules) -> list[str]:
-    """Return the files of masked modules, and those of masked functions and classes of robsim."""
+    """Return the files of masked modules, and of masked functions and classes of robsim."""
     hidden = [one for file in _files_with_code(rules) for one in _files_of(file)]
     for name in rules.masked:
         with suppress(ImportError, ValueError):
@@ -148,7 +148,7 @@ def _files_with_code(rules: Rules) -> set[str]:
 
 
 def _files_of(source: str) -> list[str]:
-    """Return the file of a module, and those that Python keeps of it compiled, or may."""
+    """Return the file of a module, and its compiled files, existing or possible."""
     levels = ("", 1, 2)
     compiled = [importlib.util.cache_from_source(source, optimization=level) for level in levels]
     others = Path(compiled[0]).parent.glob(f"{glob.escape(Path(source).stem)}.*.pyc")

@@ -1,4 +1,4 @@
-"""Workers: processes in which submissions run, shut in, limited, and certainly ended."""
+"""Workers: processes that run submissions in a sandbox, with limits and a certain end."""
 
 from robsim.teach.isolation._process import WorkerProcess
 from robsim.teach.isolation.check import IsolationReport, check_isolation

@@ -1,4 +1,4 @@
-"""What a worker tries in order to find out how it is shut in; each attempt does no harm."""
+"""Harmless attempts of a worker to leave its sandbox, for a report on the isolation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PTRACE_SEIZE, _PTRACE_DETACH, _IN_CREATE = 0x4206, 17, 0x100
 
 
 def run(channel: socket.socket, memory: tuple[int, ...]) -> None:
-    """Read what to try on, try everything, and send what came of it."""
+    """Read the targets, make all attempts, and send their outcomes."""
     target = json.loads(channel.recv(1 << 16))
     answers = {name: _outcome(act, target) for name, act in ATTEMPTS.items()}
     channel.sendall(json.dumps(answers).encode() + b"\n")
@@ -109,7 +109,7 @@ def _fork(target: dict[str, Any]) -> str:
 
 
 def _execute(target: dict[str, Any]) -> str:
-    """Try to run a program that is not there: where that may be tried, others can be run."""
+    """Try to run a missing program: if the attempt is allowed, other programs can run."""
     try:
         os.execv("/nonexistent/robsim", ["robsim"])
     except FileNotFoundError:
@@ -131,7 +131,7 @@ def _checked(result: int) -> int:
 
 ATTEMPTS: dict[str, Callable[[dict[str, Any]], str]] = {
     "read a file": _read_file,
-    "read what is hidden": _read_hidden,
+    "read a hidden file": _read_hidden,
     "change a file": _change_file,
     "write outside its folder": _write_outside,
     "connect": _connect,

@@ -1,4 +1,4 @@
-"""Workers that a zygote forks, on Linux: each in some milliseconds, with a user of its own."""
+"""Workers that a zygote forks, on Linux: each in some milliseconds, with a separate user."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from robsim.teach.isolation._processes.zygotes import ZygoteSetup, lose_user, re
 from robsim.teach.isolation.ending import GRADER_LOST_IT, Ending
 from robsim.teach.isolation.limits import Request
 
-_TRIES = 5  # of which others may kill all but one
+_TRIES = 5  # other processes may kill all but one
 
 
 def forked_worker(
@@ -35,21 +35,21 @@ def forked_worker(
     )
     descriptors = [channel.fileno(), *memory]
     if request.isolation != "none":
-        calls.prctl(calls.PR_SET_DUMPABLE, 0)  # no other process of the user looks into this one
+        calls.prctl(calls.PR_SET_DUMPABLE, 0)  # hides this process from the user's other ones
     for _ in range(_TRIES):
         try:
             return _asked(setup, request, descriptors)
-        except (WorkerLost, ConnectionError):  # it was killed: with the next one
+        except (WorkerLost, ConnectionError):  # killed: retry with the next one
             retire(setup)
-    raise GraderError(f"a worker was killed {_TRIES} times while it was started")
+    raise GraderError(f"a worker was killed {_TRIES} times during its start")
 
 
 def _asked(setup: ZygoteSetup, request: Request, descriptors: list[int]) -> WorkerProcess:
-    """Ask a zygote for a worker, with a user of its own where that can be had."""
+    """Request a worker from a zygote, with a separate user if available."""
     user = users.take_user() if request.shut and USER not in request.without else None
     request = replace(request, user=user)
     ours, theirs = socket.socketpair()
-    ours.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)  # which tells the worker's number
+    ours.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)  # sends the worker's number
     reading, writing = os.pipe()
     try:
         with theirs:
@@ -75,6 +75,6 @@ def _give_back(user: int | None, ending: Ending) -> None:
     if user is None:
         return
     if ending is GRADER_LOST_IT:
-        lose_user(user)  # it may have left something
+        lose_user(user)  # processes of the worker may be left
     else:
         users.give_back(user)

@@ -1,4 +1,4 @@
-"""A worker as the grader sees it: what it prints, how it ends, and its end."""
+"""A worker from the grader's side: its output and its end."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from robsim.teach.isolation._layers.layer import Layers
 from robsim.teach.isolation.ending import GRADER_LOST_IT, STILL_RUNS, Ending, Printed, ending_of
 from robsim.teach.isolation.limits import Request
 
-_START = 60.0  # s that a worker may take to shut itself in, where it is fresh with its imports
-_END = 60.0  # s that its end, and that of all it has left, may take
+_START = 60.0  # s, maximum for a fresh worker's imports and sandbox.
+_END = 60.0  # s, maximum for its end and all its processes
 _AT_ONCE = 1 << 16  # bytes
 
 
 class WorkerLost(Exception):
-    """A worker, or the process that starts workers, was killed before the worker was shut in."""
+    """A worker, or the process that starts workers, was killed before the sandbox was complete."""
 
 
 class WorkerProcess:
-    """A worker that runs, or has run. Its methods may be called from any thread.
+    """A worker that runs or has run. All threads may call its methods.
 
-    A context manager, which ends it. Made by `start_worker`. `layers` make its sandbox.
+    A context manager, which ends the worker. `start_worker` makes it. `layers` make its sandbox.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class WorkerProcess:
         self._pipe = pipe
         self._printed = printed or Printed(request.limits.output)
         self._killed = False
-        self._number = 0  # of its process; 0 = not known
+        self._number = 0  # of its process; 0 = unknown
         self._ending: Ending | None = None
         self._over = threading.Event()
         self._on_end = on_end
@@ -74,7 +74,7 @@ class WorkerProcess:
             report = self._lines.readline()
         except TimeoutError:
             self._on_hang()
-            message = f"a worker did not shut itself in within {_START:g} s"
+            message = f"a worker did not complete its sandbox within {_START:g} s"
             raise GraderError(message) from None
         except OSError:
             report = b""
@@ -85,14 +85,14 @@ class WorkerProcess:
         if content.get("code", 0) < 0:
             raise WorkerLost
         if "layers" not in content:
-            raise GraderError(f"a worker could not be started: {self._failure(content)}")
+            raise GraderError(f"a worker failed to start: {self._failure(content)}")
         return Layers.from_message(content["layers"])
 
     def _failure(self, content: dict[str, Any]) -> str:
         if "failed" in content:
             return str(content["failed"])
         self._read_what_is_there()
-        return self.output.strip().rpartition("\n")[2] or "it ended by itself"
+        return self.output.strip().rpartition("\n")[2] or "it exited without a message"
 
     def _watch(self) -> None:
         with selectors.DefaultSelector() as selector:
@@ -128,7 +128,7 @@ class WorkerProcess:
         return bool(part)
 
     def _read_what_is_there(self) -> None:
-        """Read what is in the pipe, which a process that is left may keep open."""
+        """Read the content of the pipe, which a remaining process may keep open."""
         if sys.platform == "win32" or self._pipe is None:
             return
         os.set_blocking(self._pipe, False)
@@ -155,7 +155,7 @@ class WorkerProcess:
 
     @property
     def cpu_seconds(self) -> float:
-        """Processor time of all its threads until now (s); NaN = not known."""
+        """Processor time of all its threads until now (s); NaN = unknown."""
         if sys.platform == "linux" and self._number:
             with suppress(OSError):  # it has ended
                 return time.clock_gettime(~self._number << 3 | 2)  # as clock_getcpuclockid()
@@ -163,11 +163,11 @@ class WorkerProcess:
 
     @property
     def output(self) -> str:
-        """What it has printed, with a line that says where it was cut. It may be anything."""
+        """Its printed output, unchecked, with a line at the cut if there is one."""
         return self._printed.text
 
     def kill(self) -> None:
-        """End it, and whatever it has started, without asking; return when nothing is left."""
+        """Kill the worker and all its processes; return when none is left."""
         self._killed = True
         with self._sending, suppress(OSError):  # it has ended
             self._life.shutdown(socket.SHUT_WR)
@@ -176,7 +176,7 @@ class WorkerProcess:
             self._over.wait()
 
     def wait(self, timeout: float | None = None) -> Ending:
-        """Return how it ended, or, after a time (s), that it still runs."""
+        """Return its ending, or, after the timeout (s), `STILL_RUNS`."""
         self._over.wait(timeout)
         return self._ending or STILL_RUNS
 

@@ -1,4 +1,4 @@
-"""How submissions are shut in on this machine: a worker that tries to get out."""
+"""A check of the isolation on this machine: a worker tries to leave its sandbox."""
 
 from __future__ import annotations
 
@@ -23,35 +23,35 @@ from robsim.teach.isolation.start import start_worker
 _ENTRY = "robsim.teach.isolation._attempts:run"
 _PATIENCE = 30.0  # s
 
-#: What no layer closes, in words for the one who relies on it.
+#: The gaps of all layers, in words for users.
 NOT_PROTECTED = (
     "Faults of the kernel and of the processor (side channels) are not covered: for code of "
-    "strangers use a machine or a container that holds nothing else.",
+    "strangers use a machine or a container without other data.",
     "A submission may find out that files exist, unless it has own mounts, and slow other "
     "processes down by processor time and memory within its limits.",
-    "What the assignment lets through is not isolation's matter: a submission sees its frames, its "
-    "own code, Python, and every installed package that is not hidden.",
+    "A submission sees its frames, its code, Python, and every installed package except hidden "
+    "ones: the assignment decides this, not the isolation.",
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class IsolationReport(Report):
-    """How submissions are shut in here; each attempt was made. ``bool(report)`` is `strict`.
+    """The isolation of submissions here, with all attempts. ``bool(report)`` is `strict`.
 
     Attributes
     ----------
     isolation : str
-        What was asked for.
+        The requested isolation.
     layers : tuple of tuple
-        Name, whether it holds, and how or why not, for each layer.
+        Name, whether it holds, and the method or the reason of its failure, for each layer.
     attempts : mapping of str to tuple
-        For each attempt, whether it was refused, and in which words.
+        For each attempt, whether it was refused, and the message.
     closed : mapping of str to bool
-        What is closed to a submission: files, processes, network, the grader's memory.
+        Whether a submission has no access, by area: files, processes, network, grader's memory.
     isolation_line : str
-        What holds and what does not, in one line.
+        The layers that hold and the layers that fail, in one line.
     certain_end : bool
-        Whether nothing of a submission can outlive its run.
+        Whether no process of a submission can outlive its run.
     """
 
     isolation: str
@@ -66,17 +66,17 @@ class IsolationReport(Report):
 
     @property
     def strict(self) -> bool:
-        """Whether ``isolation="strict"`` can be had: all is closed, and no attempt got through."""
+        """Whether ``isolation="strict"`` is available: all is closed, and all attempts failed."""
         return all(self.closed.values()) and all(held for held, _ in self.attempts.values())
 
     @property
     def title(self) -> str:
-        """What the report is about."""
+        """The title of the report."""
         return "Isolation of submissions"
 
     @property
     def verdict(self) -> str:
-        """What is open, in a few words."""
+        """The open areas in a few words."""
         opened = [what for what, closed in self.closed.items() if not closed]
         got_through = [name for name, (held, _) in self.attempts.items() if not held]
         if not opened and not got_through:
@@ -85,7 +85,7 @@ class IsolationReport(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """How many attempts were made, and how many were refused."""
+        """The number of attempts, and the number of refused ones."""
         refused = sum(held for held, _ in self.attempts.values())
         return (
             Quantity("attempts", "attempts to get out", len(self.attempts)),
@@ -94,36 +94,36 @@ class IsolationReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What holds, what got through, what is missing and why, what is not covered."""
+        """The layers that hold, successful attempts, missing layers with reasons, and gaps."""
         remarks = [self.isolation_line]
         remarks += [
             f"It {text} ({name})" for name, (held, text) in self.attempts.items() if not held
         ]
-        remarks += [f"Not there: {name}: {text}" for name, holds, text in self.layers if not holds]
+        remarks += [f"Missing: {name}: {text}" for name, holds, text in self.layers if not holds]
         return (*remarks, self._end, *NOT_PROTECTED)
 
     @property
     def _end(self) -> str:
         if self.certain_end:
-            return "The end of a worker is certain: what it has started ends with it."
+            return "The end of a worker is certain: all its processes end, too."
         return (
-            "A worker may leave a process that outlives it: it is looked for and ended, but a "
-            "process that flees faster than that is not found."
+            "A worker may leave a process that outlives it: the grader searches and ends it, but "
+            "may not find a process that flees faster."
         )
 
 
 def check_isolation(*, isolation: Isolation = "auto") -> IsolationReport:
-    """Shut a worker in, let it try to get out in each way, and return what held.
+    """Let a worker try to leave its sandbox in all ways, and return a report.
 
     Parameters
     ----------
     isolation : {"auto", "none", "process", "strict"}
-        As in grading.
+        The isolation, as in grading.
 
     Raises
     ------
     IsolationError
-        If ``"strict"`` cannot be had.
+        If ``"strict"`` is unavailable.
     GraderError
         If no worker can be started, or it does not answer.
     """
@@ -165,7 +165,7 @@ def _answers(channel: socket.socket, target: dict[str, Any]) -> dict[str, tuple[
 
 @contextmanager
 def _targets() -> Iterator[dict[str, Any]]:
-    """Give what the attempts are made on: a file, a folder, a server, memory; all of one's own."""
+    """Yield the targets of the attempts: a file, a folder, a server and memory of the grader."""
     secret = ctypes.create_string_buffer(b"robsim!")
     package = Path(sys.modules["robsim"].__file__ or "").parent
     with tempfile.TemporaryDirectory() as folder, socket.create_server(("127.0.0.1", 0)) as server:
@@ -176,7 +176,7 @@ def _targets() -> Iterator[dict[str, Any]]:
         yield {
             "file": str(file),
             "folder": folder,
-            "hidden": str(package / "estimation/reference/__init__.py"),  # the worker needs it not
+            "hidden": str(package / "estimation/reference/__init__.py"),  # unused by the worker
             "process": os.getpid(),
             "address": ctypes.addressof(secret),
             "port": server.getsockname()[1],

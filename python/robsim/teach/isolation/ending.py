@@ -1,4 +1,4 @@
-"""How a worker ended, in words."""
+"""The ending of a worker, in words."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from dataclasses import dataclass
 
 from robsim.teach.isolation.limits import WorkerLimits, as_size
 
-#: Exit codes: before the report of its layers, it could not shut itself in; it found no memory.
+#: Exit codes: the sandbox failed before the report of its layers; no memory was left.
 NOT_SHUT_IN, NO_MEMORY = 70, 71
-#: In the place of an exit code: it was ended, from outside or because of its processor time.
+#: Instead of an exit code: killed from outside, or because of its processor time.
 KILLED = -getattr(signal, "SIGKILL", 9)
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How a worker ended."""
+    """The ending of a worker."""
 
     text: str  # a sentence without its full stop
-    cpu_seconds: float = math.nan  # processor time of all its threads (s); NaN = not known
-    max_rss: int = 0  # its peak of memory (bytes), shared memory included; 0 = not known
+    cpu_seconds: float = math.nan  # processor time of all its threads (s); NaN = unknown
+    max_rss: int = 0  # its peak of memory (bytes), shared memory included; 0 = unknown
     over: bool = True  # False = it still runs.
     exited: bool = False  # whether it exited, or a signal ended it, within all limits
-    left: tuple[str, ...] = ()  # things that could not be removed; empty if its end is certain
+    left: tuple[str, ...] = ()  # things that cannot be removed; empty if its end is certain
 
 
 STILL_RUNS = Ending("the worker still runs", over=False)
@@ -52,7 +52,7 @@ def ending_of(
 
 
 def _by_limit(code: int, cpu_seconds: float, limits: WorkerLimits) -> str:
-    """Return which limit ended a worker; "" = none did."""
+    """Return the limit that ended a worker; "" = no limit."""
     by_time = {-getattr(signal, "SIGXCPU", 24), KILLED}
     if code in by_time and cpu_seconds >= math.ceil(limits.cpu) - 0.5:
         return f"its process used more than {math.ceil(limits.cpu)} s of processor time"
@@ -62,7 +62,7 @@ def _by_limit(code: int, cpu_seconds: float, limits: WorkerLimits) -> str:
 def _text_of(code: int, killed: bool) -> str:
     if code >= 0:
         shown = code if code < 1 << 16 else f"{code:#x}"  # a crash, on Windows
-        return f"its process ended by itself (exit code {shown})"
+        return f"its process exited (exit code {shown})"
     if killed and code == KILLED:
         return "its process was ended by the grader"
     return f"its process was ended by signal {_name_of(-code)}"
@@ -76,7 +76,7 @@ def _name_of(number: int) -> str:
 
 
 class Printed:
-    """The first bytes of what a worker prints; the rest is counted, and dropped."""
+    """The first bytes of a worker's output; the rest is counted and dropped."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -84,13 +84,13 @@ class Printed:
         self._dropped = 0
 
     def add(self, part: bytes) -> None:
-        """Take some of it."""
+        """Add a part of the output."""
         room = self._most - len(self._kept)
         self._kept += part[:room]
         self._dropped += len(part) - len(part[:room])
 
     @property
     def text(self) -> str:
-        """What is kept, with a line that says where it was cut. It may be anything."""
+        """The kept output, unchecked, with a line at the cut if there is one."""
         text = bytes(self._kept).decode("utf-8", "replace")
         return f"{text}\n... cut after {as_size(self._most)}" if self._dropped else text

@@ -1,4 +1,4 @@
-"""What a worker may take."""
+"""The limits of a worker."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from typing import Any, Literal
 from robsim.base.checks import check_float, check_int
 
 _MI = 1 << 20
-#: Bytes that each file counts at least: to remove a folder takes milliseconds on some disks.
+#: Minimum count of each file (bytes), because some disks take milliseconds to remove a folder.
 BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerLimits:
-    """What a submission may weigh, and what one run may take: time, memory, output, files, threads.
+    """The limits of a submission's size and of one run: time, memory, output, files, threads.
 
     Parameters
     ----------
     call : float, default: 1.0
-        One callback (s): processor time on Linux, and ten times as long by the grader's clock;
-        elsewhere this clock alone.
+        One callback (s): processor time on Linux, with a limit of ten times as long by the
+        grader's clock; on other systems this clock alone.
     first_call : float, default: 10.0
         Loading the submission, and the first call (s).
     run : float, default: 60.0
@@ -32,25 +32,25 @@ class WorkerLimits:
         Address space (bytes). Python, numpy and robsim take some 0.13 GiB of it, pandas and
         matplotlib 0.3 GiB more, each thread 10 MiB.
     output : int, default: 64 KiB
-        What is kept of the text that it prints (bytes); the rest is read and dropped.
+        The kept part of the printed text (bytes); the rest is read and dropped.
     file_size : int, default: 1 MiB
-        The largest file that it may write (bytes), in its scratch folder, or the largest that was
-        handed in.
+        The largest file that it may write (bytes) in its scratch folder, or the largest
+        submitted file.
     folder_size : int, default: 64 MiB
-        All its files together (bytes), each counted with at least 64 KiB, with those that were
-        handed in, of which it has room for twice as many; folders lie within one another 100 deep
-        at most. Looked after four times a second, so that more may be there for a moment.
+        All its files together (bytes), each counted with at least 64 KiB. Submitted files count,
+        too, and raise the limit to at least twice their size. Folders may be nested 100 deep. The
+        grader checks four times a second, so that more may be there for a moment.
     open_files : int, default: 64
-        Open files, with the few that it begins with.
+        Open files, with the few initial ones.
     threads : int, default: 32
-        Threads, its first one among them. Kept only where the worker has a user of its own.
+        Threads with the main thread. This limit requires a separate user for the worker.
     submission_files : int, default: 100
-        Files that may be handed in.
+        Number of submitted files.
     submission_size : int, default: 5 MiB
-        All of them together (bytes), unpacked; of a notebook, with its outputs.
+        All submitted files together (bytes), unpacked; of a notebook, with its outputs.
     submission_file_size : int, default: 1 MiB
-        Each of them (bytes); of a notebook, without its outputs. They are written to the scratch
-        folder, whatever `file_size` is.
+        Each submitted file (bytes); of a notebook, without its outputs. The scratch folder has
+        them, independent of `file_size`.
     """
 
     call: float = 1.0
@@ -82,7 +82,7 @@ class WorkerLimits:
 
 
 def as_size(count: int) -> str:
-    """Return a number of bytes as a reader knows it: ``"1 GiB"``."""
+    """Return a number of bytes in a readable unit: ``"1 GiB"``."""
     for unit, size in (("GiB", 1 << 30), ("MiB", _MI), ("KiB", 1 << 10)):
         if count >= size:
             return f"{count / size:.4g} {unit}"
@@ -90,7 +90,7 @@ def as_size(count: int) -> str:
 
 
 def room_for(sizes: Iterable[int]) -> int:
-    """Return how much files of these sizes (bytes) count at most."""
+    """Return the maximum count of files of these sizes (bytes)."""
     return sum(size + BLOCK for size in sizes)
 
 
@@ -111,7 +111,7 @@ class Request:
 
     @property
     def shut(self) -> bool:
-        """Whether it is to be shut in as far as the system can."""
+        """Whether the worker gets all available layers of the sandbox."""
         return self.isolation in ("auto", "strict")
 
     def to_message(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A worker is started: by a zygote on Linux, as a fresh process elsewhere."""
+"""The start of a worker: by a zygote on Linux, as a fresh process elsewhere."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HAS_ZYGOTE = sys.platform == "linux"
 
 
 class IsolationError(GraderError):
-    """The isolation that was asked for cannot be had on this machine."""
+    """The requested isolation is unavailable on this machine."""
 
 
 def start_worker(

@@ -1,1 +1,1 @@
-"""What shuts a worker in, a layer in each module; each says what it did."""
+"""The layers of a worker's sandbox, one per module; each returns a report."""

@@ -1,7 +1,7 @@
-"""Calls to Linux that Python has no function for.
+"""Calls to Linux that are missing in Python.
 
 The numbers come from the headers of Linux (``asm/unistd_64.h``, ``asm-generic/unistd.h``). None
-marks a call that the processor's Linux never had.
+marks a call that is missing on the processor.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def prctl(option: int, *arguments: int) -> int:
-    """Call prctl; raise OSError where it fails."""
+    """Call prctl; raise OSError if it fails."""
     words = [ctypes.c_ulong(value) for value in (*arguments, 0, 0, 0, 0)[:4]]
     return _checked(_libc.prctl(ctypes.c_int(option), *words))
 
 
 def syscall(number: int, *arguments: int | bytes | ctypes.c_void_p | None) -> int:
-    """Make a system call by its number; raise OSError where it fails."""
+    """Make a system call by its number; raise OSError if it fails."""
     words = [ctypes.c_long(a) if isinstance(a, int) else a for a in arguments]
     return _checked(_libc.syscall(ctypes.c_long(number), *words))
 
@@ -54,11 +54,11 @@ def change_root(new: str) -> None:
 
 
 def drop_capabilities(keep: int | None = None) -> None:
-    """Give up all rights of root for good, but for one, which no program started later gets."""
+    """Give up root's rights forever, except one, which programs started later do not get."""
     for capability in range(_LAST_CAPABILITY):
         try:
             prctl(PR_CAPBSET_DROP, capability)
-        except OSError:  # no right to drop it, or no such capability: those held go below
+        except OSError:  # no right to drop it, or unknown: the held rights go below
             continue
     with suppress(OSError):  # before Linux 4.3
         prctl(_PR_CAP_AMBIENT, _CLEAR_ALL)
@@ -107,7 +107,7 @@ DENIED: dict[str, tuple[int | None, int | None]] = {
     "msgget": (68, 186), "msgsnd": (69, 189), "msgrcv": (70, 188), "msgctl": (71, 187),
     "mq_open": (240, 180), "mq_unlink": (241, 181), "mq_timedsend": (242, 182),
     "mq_timedreceive": (243, 183), "mq_notify": (244, 184), "mq_getsetattr": (245, 185),
-    # what a file is
+    # the attributes of a file
     "chmod": (90, None), "fchmod": (91, 52), "fchmodat": (268, 53), "fchmodat2": (452, 452),
     "chown": (92, None), "fchown": (93, 55), "lchown": (94, None), "fchownat": (260, 54),
     "utime": (132, None), "utimes": (235, None), "futimesat": (261, None), "utimensat": (280, 88),

@@ -1,4 +1,4 @@
-"""Landlock: the worker sees the files that it is granted, no TCP, and signals nobody outside."""
+"""Landlock: the worker sees only granted files, has no TCP, and cannot signal other processes."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ LIST = _READ_DIR
 DEVICE = _READ_FILE | _WRITE_FILE
 SCRATCH = READ | _WRITE_FILE | _REMOVE | _MAKE_DIR | _MAKE_FILE | _REFER | _TRUNCATE
 
-#: A descriptor of a path, and what is granted below it.
+#: A descriptor of a path, and the rights granted below it.
 Grant = tuple[int, int]
 
 
 def landlock_abi() -> int:
-    """Return the version of Landlock that the kernel has; 0 = none."""
+    """Return the kernel's version of Landlock; 0 = without Landlock."""
     try:
         return syscall(_CREATE_RULESET, None, 0, _VERSION)
     except OSError:
@@ -40,7 +40,7 @@ def landlock_abi() -> int:
 
 
 def _handled(abi: int) -> tuple[int, int, int]:
-    """Return what a version can forbid: of files, of the network, of other processes."""
+    """Return the rights that a version can forbid: on files, network and other processes."""
     files = _OF_ABI_1
     files |= _REFER if abi >= 2 else 0
     files |= _TRUNCATE if abi >= 3 else 0
@@ -71,10 +71,10 @@ def restrict(grants: Iterable[Grant]) -> int:
 
 
 def open_grants(trees: Iterable[Path], hidden: Sequence[Path]) -> list[Grant]:
-    """Return grants to read what lies in trees, but for what is hidden.
+    """Return grants to read all files in trees except hidden ones.
 
-    Landlock can only allow: where something in a folder is hidden, what lies beside it is granted
-    one by one. The folder itself may be listed, as the import of a module needs that.
+    Landlock can only allow: in a folder with a hidden entry, the other entries are granted
+    one by one. The folder may be listed, because the import of a module needs this.
     """
     forbidden = [Path(os.path.realpath(path)) for path in hidden]
     grants = []
@@ -99,6 +99,6 @@ def _granted(path: Path, hidden: list[Path]) -> Iterator[tuple[Path, int]]:
 
 
 def _touches(link: Path, hidden: list[Path]) -> bool:
-    """Return whether a link leads into what is hidden, or above it."""
+    """Return whether a link leads into a hidden path, or above it."""
     end = Path(os.path.realpath(link))
     return any(end.is_relative_to(secret) or secret.is_relative_to(end) for secret in hidden)

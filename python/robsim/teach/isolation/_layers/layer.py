@@ -1,4 +1,4 @@
-"""What a layer of the isolation did, as the report says it."""
+"""A layer of the isolation, for the report."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Layer:
-    """A layer: its name, whether it holds, and how, or why it does not."""
+    """A layer: its name, whether it holds, and its method or the reason of its failure."""
 
     name: str
     holds: bool
@@ -32,7 +32,7 @@ FILES, CALLS, PIDS, NETWORK = "files", "system calls", "own process numbers", "o
 
 
 def attempt(name: str, act: Callable[[], str]) -> Layer:
-    """Return the layer that an action makes; what the action returns says how it holds."""
+    """Return the layer of an action; the action returns its method, or raises the reason."""
     try:
         return Layer(name, True, act())
     except OSError as error:
@@ -40,13 +40,13 @@ def attempt(name: str, act: Callable[[], str]) -> Layer:
 
 
 def missing_layers(system: str) -> list[Layer]:
-    reason = f"robsim knows no way on {system}"
+    reason = f"not supported by robsim on {system}"
     return [Layer(n, False, reason) for n in (MOUNTS, USER, MEMORY, FILES, CALLS, PIDS, NETWORK)]
 
 
 @dataclass(frozen=True)
 class Layers:
-    """All layers of a worker, in the order in which they were made."""
+    """All layers of a worker, in the order of their creation."""
 
     layers: tuple[Layer, ...]
 
@@ -61,7 +61,7 @@ class Layers:
 
     @property
     def closed(self) -> Mapping[str, bool]:
-        """What is closed to the worker: files, processes, network, the grader's memory."""
+        """Whether the worker has no access to files, processes, network, the grader's memory."""
         calls, user = self.holds(CALLS), self.holds(USER)
         return {
             "files": self.holds(FILES) and (calls or user),
@@ -72,12 +72,12 @@ class Layers:
 
     @property
     def certain_end(self) -> bool:
-        """Whether nothing can outlive the worker."""
+        """Whether no process can outlive the worker."""
         return self.holds(CALLS) or self.holds(PIDS) or self.holds(USER)
 
     @property
     def line(self) -> str:
-        """What holds and what does not, in one line."""
+        """The layers that hold and the layers that fail, in one line."""
         shown = [layer for layer in self.layers if layer.name not in (LIMITS, MEMORY)]
         held = [layer.phrase for layer in shown if layer.holds]
         missing = [layer.name for layer in shown if not layer.holds]

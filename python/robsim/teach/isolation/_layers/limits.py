@@ -1,4 +1,4 @@
-"""Limits of a process, as the kernel keeps them."""
+"""Limits of a process, enforced by the kernel."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ assert sys.platform != "win32"
 
 
 def limit(limits: WorkerLimits, *, own_user: bool) -> Layer:
-    """Limit memory, processor time, files, and, where the user is its own, threads."""
+    """Limit memory, processor time, files, and, for a separate user, threads."""
     wanted = {
         "RLIMIT_AS": limits.memory,
         "RLIMIT_CPU": math.ceil(limits.cpu),
@@ -23,7 +23,7 @@ def limit(limits: WorkerLimits, *, own_user: bool) -> Layer:
         "RLIMIT_MSGQUEUE": 0,
         "RLIMIT_RTPRIO": 0,
     }
-    if own_user:  # it counts all processes of a user
+    if own_user:  # the kernel counts all processes of a user
         wanted["RLIMIT_NPROC"] = limits.threads
     if refused := [name for name, value in wanted.items() if not _set(name, value)]:
         return Layer(LIMITS, False, f"the system refused {', '.join(refused)}")
@@ -32,7 +32,7 @@ def limit(limits: WorkerLimits, *, own_user: bool) -> Layer:
 
 def _set(name: str, value: int) -> bool:
     kind = getattr(resource, name, None)
-    if kind is None:  # not on this system
+    if kind is None:  # missing on this system
         return name in ("RLIMIT_MSGQUEUE", "RLIMIT_RTPRIO")
     _, most = resource.getrlimit(kind)
     if most != resource.RLIM_INFINITY:
@@ -45,6 +45,6 @@ def _set(name: str, value: int) -> bool:
 
 
 def shut_in_elsewhere(request: Request) -> list[Layer]:
-    """Limit this process; say that the other layers are missing."""
+    """Limit this process; return the other layers as missing."""
     missing = missing_layers(sys.platform) if request.shut else []
     return [limit(request.limits, own_user=False), *missing]

@@ -1,4 +1,4 @@
-"""Own mounts: a worker finds the names of the files that it is granted, and no others."""
+"""Own mounts: a worker finds only the names of granted files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MOUNT_SETATTR, _AT_RECURSIVE, _READ_ONLY = 442, 0x8000, (1).to_bytes(32, "littl
 
 
 def open_view(trees: Sequence[Path], base: str) -> int:
-    """Return a mount namespace with trees, for reading, and a folder, alone; -1 = none."""
+    """Return a mount namespace with only trees, for reading, and a folder; -1 = unavailable."""
     ours, theirs = socket.socketpair()
     with ours, theirs:
         child = os.fork()  # no failure there changes the mounts of this process
@@ -54,7 +54,7 @@ def _view(trees: Sequence[Path], base: str) -> int:
 
 
 def enter(view: int) -> str:
-    """Enter a namespace; there, the folder of this worker hides the one that it lies in."""
+    """Enter a namespace; in it, the folder of this worker hides its parent folder."""
     if view < 0:
         raise OSError("needs CAP_SYS_ADMIN or user namespaces, pivot_root, and Linux 5.12")
     scratch = os.getcwd()

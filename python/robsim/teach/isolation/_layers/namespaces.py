@@ -1,4 +1,4 @@
-"""Namespaces: process numbers of a worker's own, which end with it; no network."""
+"""Namespaces: a worker's own process numbers, which end when the worker ends, and no network."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _OWN_PIDS = "/proc/self/ns/pid"
 
 
 def leave_network(*, leave: bool = True) -> Layer:
-    """Give this process, and what it starts, a network without any device; needs one thread."""
+    """Give this process and its children a network without any device; needs one thread."""
     return attempt(NETWORK, _leave_network) if leave else Layer.left_out(NETWORK)
 
 
@@ -34,7 +34,7 @@ def _leave_network() -> str:
     user, group = os.geteuid(), os.getegid()
     if not user:
         unshare(CLONE_NEWNET | CLONE_NEWIPC)
-    else:  # the user remains who it is, and has no right over anything outside
+    else:  # the user stays the same, and has no right over anything outside
         unshare(CLONE_NEWNET | CLONE_NEWIPC | CLONE_NEWPID | CLONE_NEWUSER)
         for name, text in (("setgroups", "deny"), ("uid_map", f"{user} {user} 1")):
             _write(name, text)
@@ -43,10 +43,10 @@ def _leave_network() -> str:
 
 
 def be_first(before: Callable[[], None]) -> None:
-    """Go on in a child, the first of the namespace of processes that `leave_network` has made.
+    """Continue in a child, the first of the namespace of processes that `leave_network` has made.
 
-    Who is not root can make further such namespaces from within one alone. This process waits,
-    after a last act, and ends as its child does; the child ends with it.
+    A user other than root can make further such namespaces only from within one. This process
+    waits, after a last act, and ends like its child. If this process ends first, the child ends.
     """
     child = os.fork()
     if child == 0:
@@ -64,7 +64,7 @@ def _write(name: str, text: str) -> None:
 
 @contextmanager
 def own_pids(*, leave: bool = True) -> Iterator[Layer]:
-    """Let the process that is forked within be the first of a namespace, which ends with it."""
+    """Let the process forked inside be the first of a namespace, and its end the namespace's."""
     if not leave:
         yield Layer.left_out(PIDS)
         return

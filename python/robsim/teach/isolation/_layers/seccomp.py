@@ -1,4 +1,4 @@
-"""seccomp: the kernel refuses the calls that no callback needs."""
+"""seccomp: the kernel refuses all calls that callbacks do not need."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _refuse(number: int) -> int:
     return 0x00050000 | number
 
 
-# Instructions of the kernel's little machine (linux/bpf_common.h) and where the call stands.
+# Instructions of the kernel's small virtual machine (linux/bpf_common.h), and offsets of the call.
 _LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 _CALL, _ARCHITECTURE = 0, 4
 
@@ -30,7 +30,7 @@ def _low(argument: int) -> int:
 
 _CLONE_THREAD = 0x10000
 _CLONE_NAMESPACES = 0x7E020080
-# What a worker must not say of itself or others: (call, its argument, values).
+# Forbidden settings of a worker for itself or others: (call, its argument, values).
 _PRCTL = (1, 4, 35, 36, 0x59616D61)  # death signal, dumpable, memory map, subreaper, ptracer
 _FCNTL = (8, 10, 15, 1024, 1026)  # whom and how to signal; leases, watches of folders
 _IOCTL = (0x5412, 0x541C, 0x8901, 0x8902)  # keys into a terminal; whom to signal
@@ -60,7 +60,7 @@ PROCESSORS = {
 
 
 def restrict() -> str:
-    """Let this process, and all its later threads, make only the allowed calls; say by what.
+    """Restrict this process and its later threads to allowed calls; return the method.
 
     Raise OSError for an unknown processor, or if the kernel refuses.
     """
@@ -78,12 +78,12 @@ def restrict() -> str:
 
 
 def program_for(processor: Processor, process: int) -> list[Instruction]:
-    """Return the filter for a process: what is denied gets EPERM, what is left is allowed."""
+    """Return the filter for a process: denied calls get EPERM, all others are allowed."""
     p = processor
     refused: Instruction = (_RETURN, 0, 0, _refuse(_EPERM))
     program: list[Instruction] = [
         (_LOAD, 0, 0, _ARCHITECTURE),
-        (_EQUAL, 1, 0, p.audit),  # also no calls in the manner of 32 bits
+        (_EQUAL, 1, 0, p.audit),  # refuses calls in 32-bit mode
         (_RETURN, 0, 0, _KILL),
         (_LOAD, 0, 0, _CALL),
     ]
@@ -96,11 +96,11 @@ def program_for(processor: Processor, process: int) -> list[Instruction]:
     program += [(_EQUAL, 0, 1, p.clone3), (_RETURN, 0, 0, _refuse(_ENOSYS))]
     program += _one_of(p.prctl, 0, _PRCTL) + _one_of(p.fcntl, 1, _FCNTL)
     program += _one_of(p.ioctl, 1, _IOCTL)
-    program += [  # a signal to a thread of its own only: abort() needs that
+    program += [  # a signal only to its own threads: abort() needs one
         *((_EQUAL, 0, 4, p.tgkill), (_LOAD, 0, 0, _low(0)), (_EQUAL, 1, 0, process)),
         *(refused, (_RETURN, 0, 0, _ALLOW)),
     ]
-    program += [  # to read limits, not to set them: the new one is no pointer
+    program += [  # read limits, but do not set them: the new limit is no pointer
         *((_EQUAL, 0, 6, p.prlimit64), (_LOAD, 0, 0, _low(2)), (_EQUAL, 0, 3, 0)),
         *((_LOAD, 0, 0, _low(2) + 4), (_EQUAL, 0, 1, 0), (_RETURN, 0, 0, _ALLOW), refused),
     ]
@@ -116,5 +116,5 @@ def _one_of(call: int, argument: int, values: tuple[int, ...]) -> list[Instructi
     checks: list[Instruction] = [(_LOAD, 0, 0, _low(argument))]
     for value in values:
         checks += [(_EQUAL, 0, 1, value), (_RETURN, 0, 0, _refuse(_EPERM))]
-    checks.append((_LOAD, 0, 0, _CALL))  # for what follows
+    checks.append((_LOAD, 0, 0, _CALL))  # for the next checks
     return [(_EQUAL, 0, len(checks), call), *checks]

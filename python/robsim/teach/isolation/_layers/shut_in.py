@@ -1,4 +1,4 @@
-"""What a worker does to itself before any code of a student's: all layers, in their order."""
+"""The sandbox of a worker, before any code of a student: all layers in their order."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from robsim.teach.isolation._layers.layer import CALLS, FILES, MEMORY, USER, Lay
 from robsim.teach.isolation._layers.limits import limit
 from robsim.teach.isolation.limits import Request
 
-# What the interpreter and compiled libraries read late. Nothing of a user's is in there.
+# Paths that the interpreter and compiled libraries read late. They have no data of a user.
 _SYSTEM = (
     *("/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib"),
     *("/etc/ld.so.cache", "/etc/localtime", "/etc/fonts", "/usr/share/zoneinfo"),
@@ -27,7 +27,7 @@ _SYSTEM = (
 
 
 def shut_in(request: Request, grants: Sequence[landlock.Grant], view: int) -> list[Layer]:
-    """Shut this process in: limits, mounts, user, memory, files, calls. Return what held."""
+    """Make the sandbox: limits, mounts, user, memory, files, calls. Return the layers."""
     way, reason = way_to(request.user, request)  # needs /proc
     layers = [limit(request.limits, own_user=request.shut and bool(way))]
     if request.shut:
@@ -50,14 +50,14 @@ def _made(name: str, request: Request, act: Callable[[], str]) -> Layer:
 
 
 def readable_trees(modules: Iterable[str]) -> list[Path]:
-    """Return what a worker may read: Python, installed packages, libraries, loaded modules."""
+    """Return the readable paths of a worker: Python, installed packages, libraries, modules."""
     names = ("stdlib", "platstdlib", "purelib", "platlib")
     trees = [sysconfig.get_path(name) for name in names]
     trees += [os.path.join(sys.base_prefix, "lib")] if sys.base_prefix != "/usr" else []
     trees += [path for path in sys.path if path.endswith(("site-packages", "dist-packages"))]
     for name in {module.partition(".")[0] for module in modules}:
         file = getattr(sys.modules.get(name), "__file__", None)
-        if file and os.path.basename(file) == "__init__.py":  # one that is not installed there
+        if file and os.path.basename(file) == "__init__.py":  # of a package outside these trees
             trees.append(os.path.dirname(file))
     return [Path(tree) for tree in (*trees, *_SYSTEM) if os.path.exists(tree)]
 
@@ -74,10 +74,10 @@ def _keep_to(grants: Sequence[landlock.Grant]) -> int:
 
 
 def way_to(user: int | None, request: Request) -> tuple[str, str]:
-    """Return how a process of root becomes a user, and, where there is no way, why not.
+    """Return the way in which a process of root becomes a user, or the reason if there is no way.
 
-    Where its Python is closed to others it keeps the right to read all files, if Landlock lets it
-    read but those that it is granted.
+    If its Python is closed to others, the worker keeps the right to read all files, provided that
+    Landlock restricts it to the granted files.
     """
     if USER in request.without or user is None:
         return "", "left out" if USER in request.without else users.reason()

@@ -1,4 +1,4 @@
-"""Users for workers: numbers that nobody has, one for each worker that runs on a machine."""
+"""Users for workers: unused numbers, one for each worker that runs on a machine."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ assert sys.platform == "linux"
 
 #: Numbers that systemd's list of users keeps free.
 FIRST_USER, LAST_USER = 60600, 61180
-# To hand over a folder, to remove what is in it, to end processes, to change group and user.
+# To hand over a folder, to remove its content, to end processes, to change group and user.
 _NEEDED = (0, 1, 5, 6, 7)
 _taken: dict[int, socket.socket] = {}
 _lock = threading.Lock()
 
 
 def take_user() -> int | None:
-    """Return a user number for one worker, until `give_back`; None = no right, or none is free.
+    """Return a user number for one worker, until `give_back`; None = no right, or no free one.
 
-    A socket of that name says to graders in other processes that it is taken: the kernel removes
-    it with its process.
+    A socket of that name marks the number as taken for graders in other processes. The kernel
+    removes the socket when its process ends.
     """
     if os.geteuid() != 0 or not all(map(has_capability, _NEEDED)):
         return None
@@ -46,7 +46,7 @@ def take_user() -> int | None:
 
 
 def reason() -> str:
-    """Return why there is no user for a worker."""
+    """Return the reason why no user is available for a worker."""
     if os.geteuid() != 0:
         return "needs root"
     if not all(map(has_capability, _NEEDED)):
@@ -81,20 +81,20 @@ def _has_name(user: int) -> bool:
 
 
 def become(user: int) -> None:
-    """Turn this process into one of a user, for good."""
+    """Change this process to a user forever."""
     os.setgroups([])
     os.setresgid(user, user, user)
     os.setresuid(user, user, user)
 
 
 def end_all_of(user: int) -> None:
-    """End a user's processes in one signal, so that none forks away; for root with one thread."""
+    """End a user's processes with one signal, before any can fork; for root with one thread."""
     child = os.fork()
     if child == 0:
         try:
             become(user)
             os.kill(-1, signal.SIGKILL)
-        except BaseException:  # no such process: there was nothing to end
+        except BaseException:  # no process to end
             pass
         finally:
             os._exit(0)
@@ -102,11 +102,11 @@ def end_all_of(user: int) -> None:
 
 
 def can_read(user: int, path: str) -> bool:
-    """Return whether a user without any group of ours can get to a folder and read in it."""
+    """Return whether a user without any of our groups can reach a folder and read in it."""
     here = os.path.realpath(path)
     while True:
         status = os.stat(here)
-        # Its owner's rights are for none of our numbers: others' rights count.
+        # The owner's rights do not hold for our numbers: others' rights count.
         needed = 0o5 if here == os.path.realpath(path) else 0o1
         if status.st_mode & needed != needed and status.st_uid != user:
             return False

@@ -1,1 +1,1 @@
-"""How processes of workers come to be, and how they and what they leave are ended."""
+"""The start and the end of workers' processes, and the removal of their remains."""

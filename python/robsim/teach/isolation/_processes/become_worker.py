@@ -1,4 +1,4 @@
-"""From a fresh process to a worker that is shut in and does its work; in the worker."""
+"""The change of a fresh process into a worker with a sandbox, inside the worker."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robsim.teach.isolation.limits import Request
 
 assert sys.platform != "win32"
 
-#: A descriptor of a path and what is granted below it (`_layers.landlock`).
+#: A descriptor of a path and the rights granted below it (`_layers.landlock`).
 Grants = Sequence[tuple[int, int]]
 
 
@@ -56,14 +56,14 @@ def become_worker(
 
 
 def _be_alone(output: int, keep: Sequence[int], scratch: str, alive: int | None) -> None:
-    """Leave the session, the descriptors, the folder and the signals of the process before."""
+    """Leave the parent's session, descriptors, folder and signals."""
     signal.set_wakeup_fd(-1)
     for number in (signal.SIGCHLD, signal.SIGTERM, signal.SIGINT):
         signal.signal(number, signal.SIG_DFL)
     if os.getsid(0) != os.getpid():
         os.setsid()
     if alive is not None and select.select([alive], [], [], 0)[0]:
-        os._exit(NOT_SHUT_IN)  # who started this one is gone, and will not be told
+        os._exit(NOT_SHUT_IN)  # the parent has ended and reads no report
     null = os.open(os.devnull, os.O_RDWR)
     os.dup2(null, 0)
     os.dup2(output, 1)
@@ -78,7 +78,7 @@ def _close_all_but(keep: set[int]) -> None:
     except OSError:
         opened = list(range(256))
     for number in set(opened) - keep:
-        with suppress(OSError):  # that of the list itself
+        with suppress(OSError):  # the descriptor of the list
             os.close(number)
 
 

@@ -1,4 +1,4 @@
-"""Processes that an ended worker has left: found, and ended."""
+"""The search for an ended worker's processes, and their end."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _PATIENCE = 5.0  # s
 
 
 def end_strays(innocent: set[int]) -> list[int]:
-    """End all descendants of this process but for some children and theirs; return who is left.
+    """End all descendants of this process but some children and theirs; return the survivors.
 
-    This process adopts what its descendants leave (PR_SET_CHILD_SUBREAPER). They are stopped
-    before they are killed, so that none can start others meanwhile.
+    This process adopts orphans of its descendants (PR_SET_CHILD_SUBREAPER). It stops them
+    before it kills them, so that they cannot start others meanwhile.
     """
     deadline = time.monotonic() + _PATIENCE
     while strays := _strays(innocent):

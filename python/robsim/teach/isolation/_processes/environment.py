@@ -1,4 +1,4 @@
-"""How processes of workers are started: nothing of the grader's is in their environment."""
+"""The environment and the command of workers' processes, without the grader's variables."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-# What a worker keeps of the grader's environment: how numbers are computed, and nothing else.
+# The variables that a worker keeps of the grader's environment: they only affect computations.
 _KEPT = ("OPENBLAS_CORETYPE", "GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "ROBSIM_CPU")
 _SET = {
     "PATH": "/usr/bin:/bin",
@@ -25,7 +25,7 @@ def environment_for(home: str) -> dict[str, str]:
 
 
 def _of_windows(home: str) -> dict[str, str]:
-    """Return what programs need there, and where a virtual environment is that this one is in."""
+    """Return the variables that programs need there, and the place of this virtual environment."""
     root = os.environ.get("SYSTEMROOT", r"C:\Windows")
     libraries = [sys.base_prefix, os.path.join(sys.base_prefix, "Library", "bin")]  # conda's
     virtual = {"__PYVENV_LAUNCHER__": sys.executable} if sys.prefix != sys.base_prefix else {}
@@ -47,6 +47,6 @@ def command_for(entry: str, *arguments: int) -> list[str]:
         f"p.insert(at.index(True), {package!r}); from {module} import {function}; {called}"
     )
     program = sys.executable
-    if sys.platform == "win32":  # where that of a virtual environment starts another process
+    if sys.platform == "win32":  # a virtual environment's program starts another process
         program = getattr(sys, "_base_executable", program)
     return [program, "-I", "-c", code]

@@ -1,6 +1,6 @@
-"""Workers as fresh processes, where there is no zygote: slower to start, with fewer layers.
+"""Workers as fresh processes, without a zygote: slower to start, with fewer layers.
 
-On Windows nothing but the grader's clock limits them.
+On Windows only the grader's clock limits them.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ else:
     from robsim.teach.isolation._processes.scratch import remove
 
     def _wait_for_end(process: int) -> None:
-        """Wait until a child has ended, so that its number is its own until somebody reaps it."""
-        if sys.platform == "darwin":  # which has waitid only for newer versions of Python
+        """Wait until a child has ended; its number stays reserved until it is reaped."""
+        if sys.platform == "darwin":  # only newer versions of Python have waitid there
             event = select.kevent(
                 process,
                 select.KQ_FILTER_PROC,
@@ -53,7 +53,7 @@ else:
             os.waitid(os.P_PID, process, os.WEXITED | os.WNOWAIT)
 
 
-_LAST_WORDS = 5.0  # s that may pass between the end of a worker and that of its output
+_LAST_WORDS = 5.0  # s, maximum between the end of a worker and the end of its output
 _AT_ONCE = 1 << 16  # bytes
 
 
@@ -77,15 +77,15 @@ def fresh_worker(
     except OSError as error:
         ours.close()
         theirs.close()
-        raise GraderError(f"a worker could not be started: {error}") from error
+        raise GraderError(f"a worker failed to start: {error}") from error
     try:
         return WorkerProcess(request, ours, None, printed=keeper.printed)
     except WorkerLost:
-        raise GraderError("a worker was killed while it was started") from None
+        raise GraderError("a worker was killed during its start") from None
 
 
 class _Keeper:
-    """A worker, and threads of the grader's that are to it what a zygote is to all."""
+    """A worker, with threads of the grader that replace its zygote."""
 
     def __init__(self, request: Request, life: socket.socket, given: Sequence[int]) -> None:
         self.printed = Printed(request.limits.output)
@@ -106,7 +106,7 @@ class _Keeper:
         for act in (self._wait, self._hear):
             threading.Thread(target=act, name="robsim keeper", daemon=True).start()
         given: Sequence[int | str] = self._given
-        if sys.platform == "win32":  # a handle can be given only to a process that is there
+        if sys.platform == "win32":  # only a running process can get a handle
             shared = (one.share(self._process.pid) for one in (channel, self._life))
             given = [base64.b64encode(one).decode() for one in shared]
         assert self._process.stdin is not None
@@ -135,7 +135,7 @@ class _Keeper:
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def _wait(self) -> None:
-        """Tell how it ended, and remove what is left of it."""
+        """Report its ending, and remove its remains."""
         code, cpu, most = self._ended()
         self._reader.join(_LAST_WORDS)
         remove(self.folder)
@@ -152,7 +152,7 @@ class _Keeper:
         self._life.close()
 
     def _ended(self) -> tuple[int, float, int]:
-        """Wait for its end; return exit code, processor time (s), and most memory (bytes)."""
+        """Wait for its end; return exit code, processor time (s), and peak memory (bytes)."""
         if sys.platform == "win32":
             code = self._process.wait()
             with self._lock:
@@ -161,9 +161,9 @@ class _Keeper:
         else:  # noqa: RET505  # mypy follows nothing but this
             _wait_for_end(self._process.pid)
             with self._lock:
-                self._kill()  # what it has left in its session
+                self._kill()  # the other processes of its session
                 _, status, usage = os.wait4(self._process.pid, 0)
-                self._over = True  # from now on the number may be another's
+                self._over = True  # from now on another process may have the number
             self._process.returncode = os.waitstatus_to_exitcode(status)
             kibi = 1 if sys.platform == "darwin" else 1024
             cpu = usage.ru_utime + usage.ru_stime

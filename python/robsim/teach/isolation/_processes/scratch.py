@@ -1,4 +1,4 @@
-"""Folders that workers may write in, and nobody else looks into."""
+"""Writable folders of workers, hidden from other users."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 class Base:
     """The folder of a grader's scratch folders: others may pass through, not list it.
 
-    Whoever uses it holds a lock on it, which ends with his process. What nobody holds was left by
-    a grader that was killed, and is removed by the next one that makes its own.
+    Each user of the folder holds a lock, which ends with the process. A folder without a lock is
+    a leftover of a killed grader; the next grader that makes its own removes it.
     """
 
     _lock: int | None = None
@@ -33,7 +33,7 @@ class Base:
             os.chmod(self.path, 0o711)
             try:
                 self._lock = held(self.path)
-            except FileNotFoundError:  # taken for a leftover, before it was held
+            except FileNotFoundError:  # removed as a leftover, before the lock
                 continue
             return
 
@@ -59,16 +59,16 @@ def held(base: str) -> int:
 
 @functools.cache
 def _remove_leftovers() -> None:
-    """Remove what graders of the same user have left that are gone; once in a process."""
+    """Remove the leftovers of ended graders of the same user; once in a process."""
     remove_leftovers(tempfile.gettempdir())
 
 
 def remove_leftovers(folder: str) -> None:
-    """Remove the bases in a folder that are this user's, and that nobody holds."""
+    """Remove this user's bases in a folder that have no lock."""
     with suppress(OSError):
         for name in os.listdir(folder):
             if name.startswith(_PREFIX):
-                with suppress(OSError):  # another's, or held
+                with suppress(OSError):  # another user's, or locked
                     _remove_if_left(os.path.join(folder, name))
 
 
@@ -83,7 +83,7 @@ def _remove_if_left(base: str) -> None:
 
 
 def make_scratch(base: str, user: int | None) -> str:
-    """Make an empty folder for one worker, under a name that no other can guess."""
+    """Make an empty folder for one worker, with a name that no other can guess."""
     scratch = os.path.join(base, secrets.token_hex(16))
     os.mkdir(scratch, 0o700)
     if user is not None:
@@ -92,7 +92,7 @@ def make_scratch(base: str, user: int | None) -> str:
 
 
 def remove(folder: str) -> None:
-    """Remove a folder with all that is in it, also what is closed to its owner, however deep."""
+    """Remove a folder with all its content, also at any depth and without the owner's rights."""
     with suppress(OSError):
         _empty(_entered(folder))
     with suppress(OSError):
@@ -100,8 +100,8 @@ def remove(folder: str) -> None:
 
 
 def _empty(here: int) -> None:
-    """Empty a folder that is open, and close it. No path grows long, and nothing recurs."""
-    above: list[tuple[tuple[int, int], list[str]]] = []  # each folder, and what is left to empty
+    """Empty an open folder, and close it, without long paths or recursion."""
+    above: list[tuple[tuple[int, int], list[str]]] = []  # each folder, and its remaining folders
     inside = _folders_left(here)
     try:
         while inside or above:
@@ -116,7 +116,7 @@ def _empty(here: int) -> None:
                 inside = _folders_left(here)
                 continue
             identity, inside = above.pop()
-            if _identity(here) != identity:  # somebody moves it about: not ours to remove
+            if _identity(here) != identity:  # moved meanwhile: not ours to remove
                 return
             os.rmdir(inside.pop(), dir_fd=here)
     finally:
@@ -137,7 +137,7 @@ def _identity(folder: int) -> tuple[int, int]:
 
 
 def _folders_left(here: int) -> list[str]:
-    """Remove all but the folders from a folder; return these."""
+    """Remove all but the folders from a folder; return the folders."""
     with os.scandir(here) as entries:
         inside = list(entries)
     folders = [entry.name for entry in inside if entry.is_dir(follow_symlinks=False)]

@@ -1,4 +1,4 @@
-"""What a worker does once it is one: it settles, tells what holds, and calls its entry."""
+"""The work of a worker: it prepares itself, reports its layers, and calls its entry."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _WINDOWS = (
 
 
 def settle(scratch: str) -> None:
-    """Print to descriptors 1 and 2 at once, be at home in a folder, and show no windows."""
+    """Print unbuffered to descriptors 1 and 2, use a folder as home, and show no windows."""
     sys.stdout, sys.stderr = _unbuffered(1), _unbuffered(2)
     os.chdir(scratch)
     for name in ("HOME", "USERPROFILE", "TMPDIR", "TMP", "TEMP", "MPLCONFIGDIR"):
@@ -45,7 +45,7 @@ def _imported(plain: Any, name: str, *how: Any, **options: Any) -> Any:
 
 
 def _unbuffered(descriptor: int) -> TextIO:
-    """Return a stream in which what is printed is there, however the process ends."""
+    """Return a stream that keeps all output, however the process ends."""
     raw = open(descriptor, "wb", buffering=0, closefd=False)  # noqa: SIM115
     return io.TextIOWrapper(raw, "utf-8", "backslashreplace", newline="\n", write_through=True)
 

@@ -1,4 +1,4 @@
-"""What workers write: counted, against what they may."""
+"""The files of workers: their size, compared with the limit."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _DEEPEST = 100  # folders in folders
 
 
 def exceeds(folder: str, most: int) -> bool:
-    """Return whether files take more than a number of bytes, each at least a block, or lie deep.
+    """Return whether files need more than a number of bytes, each at least a block, or are deep.
 
-    What cannot be looked into, because it is closed, may be more than that.
+    A closed folder counts as too much.
     """
     total, waiting = 0, [(folder, 0)]
     while waiting:

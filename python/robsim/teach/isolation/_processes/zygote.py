@@ -1,7 +1,7 @@
-"""The zygote: a trusted process that has imported what workers need, and forks them.
+"""The zygote: a trusted process that has imported the workers' modules, and forks workers.
 
-It has one thread, reads requests from the grader, and never runs a student's code. Its end is
-that of its workers: each asks for SIGKILL when its parent dies.
+The zygote has one thread, reads requests from the grader, and never runs a student's code. If it
+ends, its workers end: the kernel sends each SIGKILL when its parent dies.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from robsim.teach.isolation.limits import Request
 #: Longest request (bytes).
 LONGEST = 1 << 16
 _MOST_DESCRIPTORS = 16
-_LOOK = 0.25  # s between looks at what workers have written
+_LOOK = 0.25  # s between checks of the workers' files
 
 
 @dataclass
@@ -56,7 +56,7 @@ class _Child:
 
 
 class Zygote:
-    """The loop that forks workers, ends them, and tells how they ended."""
+    """The loop that forks workers, ends them, and reports their endings."""
 
     def __init__(self, control: socket.socket, *, base: str, made: list[Layer], view: int) -> None:
         self._control = control
@@ -73,7 +73,7 @@ class Zygote:
         self._next_look = 0.0  # s
 
     def serve(self) -> None:
-        """Serve until the grader is gone; then end all workers."""
+        """Serve until the grader ends; then end all workers."""
         self._signals.setblocking(False)
         self._signalled.setblocking(False)
         signal.set_wakeup_fd(self._signalled.fileno(), warn_on_full_buffer=False)
@@ -92,7 +92,7 @@ class Zygote:
             os.waitpid(cleaner, 0)
 
     def _look(self) -> None:
-        """End workers that have written too much; from time to time."""
+        """End workers that have written too much, at intervals."""
         if time.monotonic() < self._next_look:
             return
         self._next_look = time.monotonic() + _LOOK
@@ -102,7 +102,7 @@ class Zygote:
                 self._kill(child)
 
     def _hear(self) -> None:
-        """Take a request of the grader's, or notice that it is gone."""
+        """Take a request of the grader, or notice its end."""
         try:
             message, descriptors, _, _ = socket.recv_fds(self._control, LONGEST, _MOST_DESCRIPTORS)
         except ConnectionError:
@@ -138,7 +138,7 @@ class Zygote:
         self._selector.register(life, selectors.EVENT_READ, partial(self._hear_of, child))
 
     def _fork(self, request: Request, descriptors: list[int], folder: str) -> tuple[int, bool]:
-        """Return the number of the worker's process, and whether it has numbers of its own."""
+        """Return the worker's process number, and whether it has a namespace of processes."""
         if not request.shut:
             return self._forked(request, descriptors, folder, [], []), False
         grants = self._grants_for(request.hidden)
@@ -170,17 +170,17 @@ class Zygote:
         return self._grants[hidden]
 
     def _hear_of(self, child: _Child) -> None:
-        """End a worker: the grader asks for it, or is not interested in it any more."""
-        if child.process in self._children:  # it may have ended since the selector was asked
+        """End a worker if the grader requests the end or has lost interest."""
+        if child.process in self._children:  # the worker may have ended since the selector's call
             self._selector.unregister(child.life)
             self._kill(child)
 
     def _kill(self, child: _Child) -> None:
-        with suppress(ProcessLookupError):  # not reaped yet, so that the number is its own
+        with suppress(ProcessLookupError):  # not reaped yet, so that the number is still its own
             os.kill(child.process, signal.SIGKILL)
 
     def _reap(self) -> None:
-        """Take leave of the workers that have ended."""
+        """Reap and report the workers that have ended."""
         with suppress(BlockingIOError):
             while self._signals.recv(4096):
                 pass
@@ -202,8 +202,8 @@ class Zygote:
                     self._tell(child)
 
     def _end_what_is_left(self, child: _Child) -> list[str]:
-        """End processes that a worker may have left; return those that remain."""
-        if child.own_pids:  # the kernel has ended all that was in there
+        """End the processes that a worker may have left; return those that remain."""
+        if child.own_pids:  # the kernel has ended all processes of the namespace
             return []
         if child.user is not None:
             users.end_all_of(child.user)
@@ -211,7 +211,7 @@ class Zygote:
         return [f"process {process}" for process in strays]
 
     def _tell(self, child: _Child) -> None:
-        """Tell the grader that a worker has ended, and that nothing of it is left, or what."""
+        """Report a worker's end and its remains to the grader."""
         left = [f"folder {child.folder}"] if os.path.lexists(child.folder) else []
         ending = {**child.ending, "left": [*child.ending["left"], *left]}
         with suppress(OSError):  # the grader is not interested
@@ -222,7 +222,7 @@ class Zygote:
 
 
 def _cleaner_of(folder: str) -> int:
-    """Start to remove a folder in a process of its own: others do not wait, however full it is."""
+    """Start to remove a folder in a separate process, so that a full folder delays no others."""
     process = os.fork()
     if process == 0:
         try:
@@ -235,7 +235,7 @@ def _cleaner_of(folder: str) -> int:
 
 def main(descriptor: int) -> None:
     """Be the zygote of the grader at the other end of a socket."""
-    # Whatever lies beside something that is hidden takes a descriptor.
+    # Each neighbour of a hidden file needs a descriptor.
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
     control = socket.socket(fileno=descriptor)

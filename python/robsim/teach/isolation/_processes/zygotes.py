@@ -1,4 +1,4 @@
-"""The grader's zygotes: started when the first worker is asked for, replaced when they die."""
+"""The grader's zygotes: started for the first worker, replaced when they die."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from robsim.teach.isolation.limits import Request
 
 assert sys.platform != "win32"
 
-_START = 60.0  # s that the imports of a zygote may take
-_END = 10.0  # s that its workers and folders may take to be removed
+_START = 60.0  # s, maximum for the imports of a zygote
+_END = 10.0  # s, maximum for the removal of its workers and folders
 
 
 @dataclass(frozen=True)
 class ZygoteSetup:
-    """What a zygote is like: the modules it imports, where it looks for them, what it leaves."""
+    """The setup of a zygote: its modules, their folders, and the layers to leave out."""
 
     modules: tuple[str, ...]
     path: tuple[str, ...]
@@ -34,7 +34,7 @@ class ZygoteSetup:
 
 
 class ZygoteProcess:
-    """A zygote, as the grader sees it."""
+    """A zygote from the grader's side."""
 
     def __init__(self, setup: ZygoteSetup) -> None:
         self._base = scratch.Base()
@@ -59,8 +59,8 @@ class ZygoteProcess:
             answer = {"failed": str(error)}
         self._control.settimeout(None)
         if "ready" not in answer:
-            reason = answer.get("failed", "it ended by itself")
-            raise GraderError(f"the process that starts workers could not be prepared: {reason}")
+            reason = answer.get("failed", "it exited without a message")
+            raise GraderError(f"the process that starts workers failed to start: {reason}")
 
     @property
     def process(self) -> int:
@@ -72,7 +72,7 @@ class ZygoteProcess:
 
     @property
     def answers(self) -> bool:
-        """Whether the line to it is open."""
+        """Whether its connection is open."""
         try:
             return self.alive and bool(self._control.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT))
         except BlockingIOError:
@@ -81,14 +81,14 @@ class ZygoteProcess:
             return False
 
     def ask(self, request: Request, descriptors: list[int]) -> None:
-        """Ask for a worker, from any thread; OSError if the zygote is gone."""
+        """Request a worker, from any thread; raise OSError if the zygote has ended."""
         message = json.dumps(request.to_message()).encode()
         socket.send_fds(self._control, [message], descriptors)
 
     def end_user(self, user: int) -> None:
-        """End all that a user runs: what workers of a zygote that was killed may have left.
+        """End all processes of a user: workers of a killed zygote may be left.
 
-        ConnectionError if this one is killed meanwhile.
+        Raise ConnectionError if this zygote is killed meanwhile.
         """
         self._control.settimeout(_END)
         self._control.send(json.dumps({"end user": user}).encode())
@@ -97,16 +97,16 @@ class ZygoteProcess:
         self._control.settimeout(None)
 
     def kill(self) -> None:
-        """End it at once: it hangs. Its workers end with it."""
+        """Kill a hanging zygote at once; its workers end, too."""
         self._process.kill()
 
     def let_go(self) -> None:
-        """Forget it, in a forked process."""
+        """Release it without ending it, in a forked process."""
         self._control.close()
         self._base.let_go()
 
     def close(self) -> None:
-        """End it, its workers, and all their folders."""
+        """End the zygote, its workers, and all their folders."""
         if hasattr(self, "_control"):
             self._control.close()
         if hasattr(self, "_process"):
@@ -136,7 +136,7 @@ _lock = threading.Lock()
 
 
 def zygote_for(setup: ZygoteSetup) -> ZygoteProcess:
-    """Return the zygote of a set-up; start it where there is none, or it was killed."""
+    """Return the zygote of a setup; start one if it is missing or was killed."""
     with _lock:
         zygote = _zygotes.get(setup)
         if zygote is None or not zygote.alive:
@@ -160,7 +160,7 @@ def _end_lost_users(zygote: ZygoteProcess) -> None:
 
 
 def retire(setup: ZygoteSetup) -> None:
-    """End a zygote that does not answer, unless it has been replaced by one that is alive."""
+    """End a zygote that does not answer, unless a living one has replaced it."""
     with _lock:
         zygote = _zygotes.get(setup)
         if zygote is not None and not zygote.answers:
@@ -169,7 +169,7 @@ def retire(setup: ZygoteSetup) -> None:
 
 
 def lose_user(user: int) -> None:
-    """Let the next zygote end all of a user whose worker's zygote was killed."""
+    """Let the next zygote end all processes of a user whose worker's zygote was killed."""
     with _lock:
         _lost_users.append(user)
 
@@ -183,7 +183,7 @@ def close_zygotes() -> None:
 
 
 def _forget_zygotes() -> None:
-    """They are those of the parent: a forked process has none."""
+    """Forget the parent's zygotes in a forked process."""
     global _lock
     _lock = threading.Lock()
     for zygote in _zygotes.values():
