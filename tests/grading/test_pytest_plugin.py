@@ -191,7 +191,7 @@ def test_files_of_tests_and_a_submission_are_apart(class_room, monkeypatch):
             grading(class_room, tests=place)
     grading(class_room, tests="grade.py::test_begins")
     monkeypatch.chdir(class_room / "mine")
-    with pytest.raises(pytest.UsageError, match="run pytest in another one"):
+    with pytest.raises(pytest.UsageError, match="run pytest in another folder"):
         grading(class_room, tests="../grade.py")
 
 
