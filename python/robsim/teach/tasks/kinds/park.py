@@ -47,12 +47,11 @@ class ParkTask(DrivingTask):
     name: ClassVar[str] = "park"
     title: ClassVar[str] = "park the robot at a pose"
     scores: ClassVar[tuple[Score, ...]] = scores_of(
-        ("settling", "time until it stays at the pose", "s", 0.4, 0.2, 60.0),
-        ("distance", "distance from the position at the end", "px", 0.15, 4.0, 400.0),
-        ("heading", "error of the heading at the end", "deg", 0.25, 2.0, 90.0),
-        ("overshoot", "how far it leaves the position after it has been there",
-         "px", 0.2, 2.0, 200.0),
-    )  # fmt: skip
+        ("settling", "settling time at the pose", "s", 0.4, 0.2, 60.0),
+        ("distance", "distance from the goal at the end", "px", 0.15, 4.0, 400.0),
+        ("heading", "heading error at the end", "deg", 0.25, 2.0, 90.0),
+        ("overshoot", "overshoot after arrival", "px", 0.2, 2.0, 200.0),
+    )
     masked: ClassVar[tuple[str, ...]] = (*MASKED, "robsim.GoToPoint")
 
     steps: int = 150

@@ -287,7 +287,7 @@ def task_digest(task: Task) -> str:
             "parameters": task.parameters,
             "scenario": task.scenario.to_toml(),
             "values": dict(task.values),
-            "scores": [asdict(score) for score in task.scores],
+            "scores": [asdict(score) | {"title": ""} for score in task.scores],
         }
     )
 
