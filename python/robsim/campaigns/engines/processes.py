@@ -71,7 +71,9 @@ class Processes(Workers[JobT, RowT]):
             initargs=(self._file,),
         )
         self._pool = pool
-        pool.submit(_rows, []).result()
+        # All processes start at once; the first job fails if they end as soon as they begin.
+        first, *_ = [pool.submit(_rows, []) for _ in range(self._count)]
+        first.result()
         return pool
 
     def end(self) -> None:
