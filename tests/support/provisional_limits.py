@@ -61,13 +61,15 @@ def compared(task: Task, runs: dict[bool, dict[str, Runs]], seed: int) -> Floats
     of_drawn = calibrate.RIGHT_TESTS, round(above)
     rank = bound_rank(fewest_values(FALSE_FAIL, CONFIDENCE), FALSE_FAIL, CONFIDENCE)
     exact = limits_from(task, right, wrong, calibrate.PILOT_TESTS, rank)
-    few = [one[: calibrate.FIRST_TESTS] for one in wrong]
+    (fewest, _), *stages = calibrate.STAGES
+    few = [one[:fewest] for one in wrong]
     quick = limits_from(task, drawn, few, *of_drawn)
-    more = [
-        one[: calibrate.MORE_TESTS] if calibrate.is_needed(task, those, quick) else those
-        for one, those in zip(wrong, few, strict=True)
-    ]
-    quick = limits_from(task, drawn, more, *of_drawn)
+    for number, least in stages:
+        few = [
+            one[:number] if calibrate.is_needed(task, those, quick, least) else those
+            for one, those in zip(wrong, few, strict=True)
+        ]
+        quick = limits_from(task, drawn, few, *of_drawn)
     tests = submissions(right, wrong, seed)
     return 100 * np.stack([tests.points(task.scores, one) for one in (exact, quick)], axis=1)
 

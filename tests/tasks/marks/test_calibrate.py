@@ -31,8 +31,8 @@ def few_tests():
         patch.setattr("robsim.teach.tasks.marks.calibrate.PILOT_TESTS", 10)
         patch.setattr("robsim.teach.tasks.marks.calibrate.WRONG_TESTS", 12)
         patch.setattr("robsim.teach.tasks.marks.calibrate.RIGHT_TESTS", 8)
-        patch.setattr("robsim.teach.tasks.marks.calibrate.FIRST_TESTS", 4)
-        patch.setattr("robsim.teach.tasks.marks.calibrate.MORE_TESTS", 6)
+        stages = ((2, 0.0), (4, 0.5), (6, 1.0))
+        patch.setattr("robsim.teach.tasks.marks.calibrate.STAGES", stages)
         yield
 
 

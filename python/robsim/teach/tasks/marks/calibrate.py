@@ -34,13 +34,16 @@ from robsim.teach.tasks.solutions import NAIVE, REFERENCE, Solution
 
 #: Tests that determine the shape of the limits, and tests of each wrong solution.
 PILOT_TESTS, WRONG_TESTS = 60, 60
-#: Provisional limits: tests of each right solution, of each wrong one, and of wrong ones that pass
-#: a test or determine the zero of a score. A wrong solution that passes in a share p of the tests
-#: is given up with the probability (1 - p)^6: 26 % for p = 20 %.
-RIGHT_TESTS, FIRST_TESTS, MORE_TESTS = 40, 6, 40
+_ALL = 1 - 1e-9
+#: Provisional limits: tests of each right solution.
+RIGHT_TESTS = 40
+#: Provisional limits: stages for wrong solutions. Each has a number of tests, for solutions with
+#: more than so much of the points, 0..1, in a test before, or that determine the zero of a score.
+#: A wrong solution that passes in a share p of the tests, and has half the points in one of the
+#: first three, is given up with the probability (1 - p)^6: 26 % for p = 20 %.
+STAGES = ((3, 0.0), (6, 0.5), (40, _ALL))
 #: Runs in the tests that are drawn for provisional limits; more would need too much memory.
 DRAWN = 300_000
-_ALL = 1 - 1e-9
 
 
 def calibrate_task(
@@ -174,19 +177,21 @@ def _tested(
 
     if drawn is None:
         return sets, limits_after(wrong, WRONG_TESTS, "wrong")
-    limits = limits_after(wrong, FIRST_TESTS, "wrong")
-    more = [one for one in wrong if is_needed(task, sets[one.name], limits)]
-    return sets, limits_after(more, MORE_TESTS, "more") if more else limits
+    limits = limits_after(wrong, STAGES[0][0], "wrong")
+    for tests, least in STAGES[1:]:
+        some = [one for one in wrong if is_needed(task, sets[one.name], limits, least)]
+        limits = limits_after(some, tests, f"wrong_{tests}") if some else limits
+    return sets, limits
 
 
-def is_needed(task: Task, sets: Sets, limits: Mapping[str, ScoreLimit]) -> bool:
-    """Whether a wrong solution passes tests, or its median determines the zero of a score."""
+def is_needed(task: Task, sets: Sets, limits: Mapping[str, ScoreLimit], least: float) -> bool:
+    """Whether a wrong solution has more points in a test, or determines the zero of a score."""
     if not sets.through.any():
         return False
     medians = np.nanmedian(sets.statistics, axis=0)
     ends = [[limits[s.name].zero, limits[s.name].low_zero or np.nan] for s in task.scores]
     sets_end = np.isclose(medians[:, None], ends).any()
-    return bool(sets_end) or sets.points(task.scores, limits).max() > _ALL
+    return bool(sets_end) or sets.points(task.scores, limits).max() > least
 
 
 def _count_and_rank(false_fail: float, confidence: float, tests: int | None) -> tuple[int, int]:
@@ -265,8 +270,9 @@ def calibration_seconds(
     wrong = len(chosen) - len(right)
     tests = (PILOT_TESTS + count) * len(right) + WRONG_TESTS * wrong
     if provisional:
-        more = (MORE_TESTS - FIRST_TESTS) * len(task.scores) / 2  # at the zeros of the scores
-        tests = RIGHT_TESTS * len(right) + FIRST_TESTS * wrong + round(more)
+        (few, _), *_, (most, _) = STAGES
+        more = (most - few) * len(task.scores) / 2  # at the zeros of the scores
+        tests = RIGHT_TESTS * len(right) + few * wrong + round(more)
     seconds = float(np.mean([runs.seconds for runs in first.values()]))
     return seconds * tests * task.runs / processes
 
