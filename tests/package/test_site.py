@@ -13,6 +13,7 @@ from prose import SITE, examples
 from robsim.campaigns.spec_file import load_spec
 from robsim.gui.panels.replay_file import ReplayFile
 from robsim.teach.assignments.classes.groups import read_groups
+from robsim.trace.sessions._setup import FORMAT, Setup
 from robsim.trace.sessions.rows import row_of_json
 from robsim.vision.imaging.images import png_bytes
 
@@ -52,6 +53,7 @@ LOADED = {
     "robot.toml": loaded_robot,
     "colors.toml": robsim.load_colors,
     "camera.toml": robsim.vision.load_calibration,
+    "robsim.setup": lambda path: Setup(path.read_text(), path, FORMAT),
     "/robsim/steps": lambda path: row_of_json(path.read_text().replace("\n", "").encode()),
     "run.replay": ReplayFile.load,
     "campaign.toml": load_spec,

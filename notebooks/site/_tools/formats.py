@@ -20,7 +20,7 @@ from robsim.teach.assignments import assignment, assignment_file, limits_file
 from robsim.teach.isolation.limits import WorkerLimits
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.trace.run_info import RunInfo
-from robsim.trace.sessions import _ros, rows
+from robsim.trace.sessions import _ros, _setup, rows
 from robsim.vision.imaging import calibration, calibration_file
 from robsim.vision.markers import color_files
 from robsim.vision.robots import definition, files
@@ -108,6 +108,30 @@ MEANINGS = {
         "reference.NAME": "Values of the reference solution in each run",
         "calibration": "Origin of the limits, by `robsim assignment calibrate`",
         "provisional": "Reason of provisional limits; empty: the limits are exact",
+    },
+    "robsim.setup": {
+        "area": "Width and height of the work area (px)",
+        "dt": "Sample time (s)",
+        "plane_map.matrix": "Map from frame to work area, 3 x 3",
+        "plane_map.intrinsics.matrix": "Focal lengths and centre (px), 3 x 3",
+        "plane_map.intrinsics.distortion": "k1, k2, p1, p2, k3 of OpenCV",
+        "mm_per_px": "Length of a px of the work area (mm)",
+        "stop_input": "Voltages that stop the robot (V)",
+        "colors.name": "Name of the colour class",
+        "colors.y": "Smallest and largest brightness Y",
+        "colors.u": "Smallest and largest U",
+        "colors.v": "Smallest and largest V",
+        "markers.distance_tolerance": "Tolerance of the distance of the markers (fraction)",
+        "markers.area_tolerance": "Tolerance of the areas of the markers (ratio)",
+        "markers.maximum_blobs": "Number of the largest blobs of each colour in the search",
+        "markers.NAME.color": "Name of the colour class",
+        "markers.NAME.position": "Position, forward and right of the robot's centre (px)",
+        "markers.NAME.area": "Area (px^2)",
+        "markers.NAME.polygon": "Corners, forward and right of the robot's centre (px)",
+        "model.dt": "Sample time of the model (s)",
+        "model.theta": "Parameters: rows X, Y, P, columns a1, a2, b1, b2, d1",
+        "robot": "Name of the robot",
+        "started": "Start of the run, with its zone",
     },
     "/robsim/steps": {
         "k": "Number of the step",
@@ -209,12 +233,22 @@ def tables():
         "steps": keys("/robsim/steps", rows._STEP, rows.Row),
         "info": attributes(RunInfo, "info"),
         "replay": attributes(ReplayFile, "run.replay"),
+        "setup": keys("robsim.setup", of_session()),
         "topics": table(("topic", "type"), [map(code, row) for row in _ros._TOPICS.items()]),
         "by_hand": ", ".join(map(code, assignment.BY_HAND)),
     }
     for kind in ("SubmissionResult", "TestResult", "ScoreResult", "FailedRun", "ByHand"):
         found[kind] = attributes(getattr(results, kind), kind)
     return found
+
+
+def of_session():
+    """Return the table of a set-up, with one role for all markers."""
+    layout = files.LAYOUT
+    plain = {key: row for key, row in layout.keys.items() if not isinstance(row, codec.Table)}
+    role = next(row for row in layout.keys.values() if isinstance(row, codec.Table))
+    markers = dataclasses.replace(layout, keys=plain | {"NAME": role})
+    return dataclasses.replace(_setup._SETUP, keys=_setup._SETUP.keys | {"markers": markers})
 
 
 def values(item):
@@ -270,7 +304,8 @@ def parsed(file):
     text = examples().get(file, "{}")
     if file == "limits.json":
         return json.loads(text)["tests"]["park"]
-    return tomllib.loads(text) if file.endswith(".toml") else json.loads(text)
+    is_toml = file.endswith((".toml", ".setup"))
+    return tomllib.loads(text) if is_toml else json.loads(text)
 
 
 def flat(entry, place=""):
@@ -283,7 +318,7 @@ def flat(entry, place=""):
             else:
                 yield place + name, one, name in entry._needed
     elif isinstance(entry.each, codec.Table):
-        is_list = place in ("tests.", "files.")
+        is_list = place in ("tests.", "files.", "colors.")
         yield from flat(entry.each, place if is_list else f"{place}NAME.")
     else:
         yield f"{place}NAME", entry.each, False
