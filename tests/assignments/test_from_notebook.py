@@ -68,7 +68,7 @@ def test_nobody_gets_points_for_the_answers_of_robsim(hw2, tmp_path, trick):
     file.write_text(trick)
     tests = {test.name: test for test in grade_submission(hw2, file).tests}
     assert not any(test.points for test in tests.values())
-    assert "is not there for this assignment" in tests["test_voltages_public"].sentence
+    assert "is unavailable in this assignment" in tests["test_voltages_public"].sentence
 
 
 def test_hidden_numbers_are_secret_with_any_seed(hw2, tmp_path):

@@ -265,7 +265,7 @@ def test_a_masked_object_is_found_nowhere_in_the_memory(tmp_path, name, use):
         """
     masked = ["robsim.locate", "robsim.vision.detect", "robsim.FollowPath", "robsim.Simulation"]
     error = failure(tmp_path, code, masked=[*masked, "robsim.RecursiveLeastSquares"])
-    assert "is not there for this assignment" in str(error) or "IndexError" in str(error)
+    assert "is unavailable in this assignment" in str(error) or "IndexError" in str(error)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="there zygotes are")

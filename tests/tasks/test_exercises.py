@@ -175,7 +175,7 @@ def test_arguments_are_copies():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((lambda pose: 0,), "there is no exercise '<lambda>'"),
+        ((lambda pose: 0,), "unknown exercise '<lambda>'"),
         ((to_the_right, "to_the_rihgt"), "did you mean 'to_the_right'?"),
         ((5,), "answer must be a function or a Submission, got 5"),
     ],

@@ -1,4 +1,4 @@
-"""What is asked of students, and what they get for it: tasks, checks, grading, assignments."""
+"""Teaching: tasks, checks, grading, and assignments."""
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Whose fault it is: errors of a submission, of an assignment, of the grader itself."""
+"""Errors by their cause: a submission, an assignment, or the grader."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ERROR, TIMEOUT, EXIT = "error", "timeout", "exit"
 
 
 class GradingError(Exception):
-    """What kept something from being graded, and where; its classes say whose fault it is.
+    """A failure of grading, and its place; the class names the cause.
 
     Parameters
     ----------
@@ -23,13 +23,13 @@ class GradingError(Exception):
     slot : str or None
         The slot.
     step : int or None
-        The step of the run; None = at the start, or before it.
+        The step of the run; None = at the start, or earlier.
     file : str or None
         The file; ``"s003.ipynb, cell 5"`` of a notebook.
     line : int or None
         The line in it, from 1.
     cause : {"error", "timeout", "exit"}
-        What happened: an error, a call or a run that took too long, or the end of the process.
+        The kind: an error, a call or a run that took too long, or the end of the process.
 
     Attributes
     ----------
@@ -77,21 +77,21 @@ class SubmissionError(GradingError):
 
     whose = "submission"
 
-    #: What it had printed when it failed in a run, cut; what cannot be seen stands as escapes.
+    #: The printed output of the failed run, cut; invisible characters are escaped.
     output: str = ""
-    #: The steps of the run before it failed, with the truth; None = there was none.
+    #: The steps of the run until the failure, with the truth; None = no steps.
     trace: Trace | None = None
-    #: Its place, as of a callback that fails in one process: in a run of a campaign.
+    #: Its place, as for a callback that fails in one process: in a run of a campaign.
     callback: FailedCallback
 
 
 class AssignmentError(GradingError):
-    """The assignment is at fault: a file of the teacher's, its key, its options."""
+    """The assignment is at fault: a teacher's file, its key, its options."""
 
     whose = "assignment"
 
 
 class GraderError(GradingError):
-    """The grader is at fault, or the machine that it runs on; the submission is not to blame."""
+    """The grader or its machine is at fault, not the submission."""
 
     whose = "grader"

@@ -1,4 +1,4 @@
-"""What came of the grading of a submission: points, sentences, numbers, as a file."""
+"""The result of a submission's grading: points, sentences, numbers, as a file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robsim.base.report import Column, Quantity, Report, Row, Table
 
 
 def in_hundredths(points: float, most: float) -> float:
-    """Return points in hundredths: only all are all, and only none are none."""
+    """Return points in hundredths; rounding never yields all points or 0."""
     if points >= most:
         return most
     rounded = round(points, 2)
@@ -26,7 +26,7 @@ def in_hundredths(points: float, most: float) -> float:
 
 
 def fraction_of(points: float, most: float) -> float:
-    """Return the share of the points, 0 to 1; all of none is all."""
+    """Return the share of the points, 0 to 1; 1 if there are no points."""
     return 1.0 if points >= most else max(points / most, 0.0)
 
 
@@ -39,25 +39,25 @@ def of_most(points: float, most: float) -> str:
     return f"{number(points)} of {number(most)} {'point' if most == 1 else 'points'}"
 
 
-#: What a test can come to.
+#: The status of a test.
 PASSED, PARTIAL, FAILED, ERROR, NOT_RUN = "passed", "partial", "failed", "error", "not run"
 FORMAT = 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreResult:
-    """A score in a test: the statistic of its runs, and what that gives.
+    """A score in a test: the statistic of its runs, and its part of the points.
 
     Attributes
     ----------
     name, title, unit : str
-        As of the `Score`.
+        See `Score`.
     values, reference : tuple of float
-        The numbers of the runs that came through, and those of the reference in the same runs.
+        The numbers of the completed runs, and of the reference in the same runs.
     statistic : float
-        What they come to; NaN = no run came through.
+        Their statistic; NaN = all runs failed.
     limit, zero, low, low_zero : float or None
-        As of the `ScoreLimit`.
+        See `ScoreLimit`.
     fraction, share : float
         The part of its points, 0 to 1, and its share of the points of the test. The part of a
         score with share 0 multiplies all others, which contain it.
@@ -78,14 +78,14 @@ class ScoreResult:
 
     @property
     def is_met(self) -> bool:
-        """Whether it is within the limits of full points."""
+        """Whether the score is within the limits of full points."""
         is_small = self.low is not None and self.statistic < self.low
         return self.statistic <= self.limit and not is_small
 
 
 @dataclass(frozen=True, kw_only=True)
 class FailedRun:
-    """A run that did not come through: its number and the submission's failure.
+    """A failed run: its number and the submission's failure.
 
     `cause` has the values of `SubmissionError.cause`.
     """
@@ -101,55 +101,54 @@ class FailedRun:
 
 @dataclass(frozen=True, kw_only=True)
 class TestResult:
-    """A test of an assignment, graded.
+    """A graded test of an assignment.
 
-    All texts are clean: nothing in them is an escape, a control character or longer than a page.
+    All texts are clean: without escapes and control characters, at most a page long.
 
     Attributes
     ----------
     name, title : str
-        Its name in the assignment, and for people.
+        Its name in the assignment, and its title for people.
     number : str
-        Its number, such as "3.1"; "" = none.
+        Its number, such as "3.1"; "" = without a number.
     public : bool
-        Whether students have it, too. Of others nothing but points and `sentence` is theirs to see.
+        Whether students have it, too. Of hidden tests students see only points and `sentence`.
     points, most : float
-        What it got, in hundredths, of how many: only all are all, and only none are none.
+        Its points in hundredths, and its maximum; rounding never yields all points or 0.
     provisional : str
-        Why the limits of its points are provisional; "" = they are not.
+        The reason why the limits of its points are provisional; "" = exact limits.
     status : str
-        ``"passed"`` (all points), ``"partial"``, ``"failed"`` (none), ``"error"`` (the assignment
-        or the grader failed: no points are lost or won), ``"not run"``.
+        ``"passed"`` (all points), ``"partial"``, ``"failed"`` (0 points), ``"error"`` (the
+        assignment or the grader failed: no points are lost or won), ``"not run"``.
     sentence : str
-        What to tell the student, in a sentence or two.
+        The text for the student, one or two sentences.
     whose : str or None
-        Whose fault it is that runs failed: ``"submission"``, ``"assignment"``, ``"grader"``.
+        The cause of failed runs: ``"submission"``, ``"assignment"``, ``"grader"``.
     scores : tuple of ScoreResult
-        Empty for a test of the teacher's own.
+        Empty for a teacher's own test.
     runs : int
-        How many runs; 0 for a test of the teacher's own.
+        The number of runs; 0 for a teacher's own test.
     failed : tuple of FailedRun
-        Those that did not come through: each takes its part of the points.
+        The failed runs: each loses its part of the points.
     worst : int or None
-        The number of the run that is shown: the worst one, or one that failed.
+        The number of the shown run: the worst, or a failed one.
     picture : str or None
-        The file of its picture, beside this one.
+        The file of its picture, next to this file.
     caption : str
-        What the picture shows, in a sentence, for those who cannot see it, too.
+        The description of the picture in a sentence, also for blind readers.
     finding : str
-        What the doctor found; "" = nothing.
+        The doctor's finding; "" = no finding.
     output : str
-        What the submission printed, cut.
+        The printed output of the submission, cut.
     seconds : float
-        How long it took.
+        Its duration.
     digest : str
-        SHA-256 of all that its numbers rest on, points and limits left out; "" = it is still to
-        be run.
+        SHA-256 of all inputs of its numbers, without points and limits; "" = not run yet.
     by_hand : bool
-        Whether it is no test, but points that a teacher gives, such as those for style.
+        Whether these are points by hand, such as for style, and not a test.
     """
 
-    __test__ = False  # it is no test of pytest's
+    __test__ = False  # not a test of pytest
 
     name: str
     title: str
@@ -174,7 +173,7 @@ class TestResult:
     by_hand: bool = False
 
     def __post_init__(self) -> None:
-        # Here, so that points are the same wherever they are read, and add up there.
+        # Here, so that all readers get the same points, with the right sum.
         object.__setattr__(self, "points", in_hundredths(self.points, self.most))
 
 
@@ -185,9 +184,9 @@ class ByHand:
     Attributes
     ----------
     late_days : float
-        How many days it came late.
+        The number of late days.
     kept : float
-        The share of the points that these leave, 0 to 1.
+        The remaining share of the points, 0 to 1.
     points : float or None
         Points that replace the tests' points; None = the tests count.
     comment : str
@@ -213,23 +212,23 @@ class SubmissionResult:
     members : tuple of str
         The students of a group.
     tests : tuple of TestResult
-        In the order of the assignment; while it is graded those so far, then "not run".
+        In the order of the assignment; during grading the finished ones, then "not run".
     notes : tuple of str
-        What was left out when it was read, or why it could not be.
+        The files left out in reading, or the reason why reading failed.
     isolation : str
-        What has shut it in, in a line.
+        The layers of the sandbox, in a line.
     submission_digest, assignment_digest : str
-        SHA-256 of what was handed in, and of what the points rest on.
+        SHA-256 of the submission, and of all inputs of the points.
     versions : mapping of str to str
         robsim, numpy, python.
     is_done : bool
         Whether all tests were run.
     seconds : float
-        How long it took.
+        Its duration.
     by_hand : ByHand
         Late days, points by hand and a comment.
     command : str
-        The shell command that grades it; "" = not known.
+        The shell command that grades it; "" = unknown.
     """
 
     assignment: str
@@ -257,7 +256,7 @@ class SubmissionResult:
 
     @property
     def most(self) -> float:
-        """How many points there are."""
+        """The maximum points."""
         return round(sum(test.most for test in self.tests), 2)
 
     @property
@@ -267,12 +266,12 @@ class SubmissionResult:
 
     @property
     def has_errors(self) -> bool:
-        """Whether a test could not be graded, by a fault of the assignment or the grader."""
+        """Whether the grading of a test failed because of the assignment or the grader."""
         return any(test.status == ERROR for test in self.tests)
 
     @property
     def is_unread(self) -> bool:
-        """Whether it could not be read, so that nothing of it was run: `notes` say why."""
+        """Whether reading failed, so that nothing ran: `notes` give the reason."""
         return self.is_done and not self.submission_digest and bool(self.notes)
 
     @property
@@ -290,7 +289,7 @@ class SubmissionResult:
         return self.report._repr_html_()
 
     def to_json(self) -> str:
-        """Return it as JSON; numbers that are not finite are null."""
+        """Return the result as JSON, with null for NaN and infinity."""
         data = {"format": FORMAT} | asdict(self)
         if not self.members:  # as in files of earlier versions
             del data["members"]
@@ -298,7 +297,7 @@ class SubmissionResult:
 
     @classmethod
     def from_json(cls, text: str) -> SubmissionResult:
-        """Return what `to_json` wrote; raise ValueError if it is something else."""
+        """Return the result of a text from `to_json`; raise ValueError for other text."""
         data = parse_json(check_text("text", text), 2**20)
         if not isinstance(data, dict) or data.pop("format", None) != FORMAT:
             raise ValueError(f"no result of a submission of format {FORMAT}")
@@ -327,7 +326,7 @@ def _score(data: Mapping[str, Any]) -> ScoreResult:
 
 
 def finite(value: Any) -> Any:
-    """Return data with None in place of numbers that JSON does not have."""
+    """Return data with None instead of NaN and infinity, which JSON does not have."""
     if isinstance(value, dict):
         return {key: finite(one) for key, one in value.items()}
     if isinstance(value, (list, tuple)):

@@ -1,4 +1,4 @@
-"""Texts of students: cut, cleaned and fenced before they reach anybody, or any file."""
+"""Texts of students: cut, cleaned and fenced before users or files get them."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ _MOST_LINES = 10  # of a traceback
 _MOST_DEPTH = 100_000  # calls of a traceback
 _MOST_JSON = 16 * 2**10  # bytes
 _CUT = " ..."
-# A letter with more marks than any language puts on it covers the lines around it.
+# A letter with more marks than any language uses covers the lines around it.
 _MARK = r"[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff]"
 _MARKS = re.compile(f"({_MARK}{{3}}){_MARK}+")
 
 
 def clean_text(text: str, most: int = MOST_TEXT) -> str:
-    """Return a text of a student's as harmless text: what cannot be seen stands as escapes.
+    """Return a student's text as harmless text, with escapes for invisible characters.
 
-    It is harmless in a terminal, and can stand in XML 1.0 and JSON. HTML and Markdown have signs of
-    their own: there it is to be escaped, or fenced. It is cut before it is looked at.
+    The result is harmless in a terminal, XML 1.0 and JSON. HTML and Markdown have special
+    characters: escape or fence the text there. The function cuts the text first.
 
     Parameters
     ----------
     text : str
         The text.
     most : int
-        How many characters it may have then.
+        The maximum number of characters of the result.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def clean_text(text: str, most: int = MOST_TEXT) -> str:
 
 
 def _cleaned(text: object, most: int = MOST_TEXT) -> str:
-    """Return what `clean_text` does; of what is no plain text, the name of its class."""
+    """Return the result of `clean_text`; of other objects, the name of the class."""
     if type(text) is not str:
         return f"<{type_name(text)}>"
     start = text[: most + 1].replace("\r\n", "\n").replace("\r", "\n")
@@ -72,12 +72,12 @@ def clean_line(text: object, most: int = MOST_LINE) -> str:
 
 
 def fenced(text: str, most: int = MOST_TEXT) -> str:
-    """Return a text of a student's, cleaned, as a block of Markdown that it cannot end by itself.
+    """Return a student's text, cleaned, as a block of Markdown that the text cannot end.
 
     Parameters
     ----------
     text, most
-        As for `clean_text`.
+        See `clean_text`.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def fenced(text: str, most: int = MOST_TEXT) -> str:
 
 
 def type_name(value: object) -> str:
-    """Return the name of a value's class; nothing of the value is called."""
+    """Return the name of a value's class without calling any code of the value."""
     return clean_line(type.__dict__["__name__"].__get__(type(value)), MOST_NAME)
 
 
@@ -117,7 +117,7 @@ class ErrorText:
 
     @property
     def place(self) -> str:
-        """Slot, step, file and line, as far as they are known."""
+        """Slot, step, file and line, as far as known."""
         parts = []
         if self.slot is not None:
             parts.append(self.slot if self.step is None else f"{self.slot} at step {self.step}")
@@ -138,7 +138,7 @@ class ErrorText:
         return SubmissionError(str(self), **places, file=self.file, line=self.line)
 
     def to_json(self) -> bytes:
-        """Return it as JSON of at most 16 KiB: rather without its lines than with half of them."""
+        """Return the text as JSON of at most 16 KiB, without its lines if they do not fit."""
         short = self
         while len(data := json.dumps(vars(short), ensure_ascii=False).encode()) > _MOST_JSON:
             most = len(short.message) if short.lines else len(short.message) // 2
@@ -185,13 +185,13 @@ def error_text(
     """
     try:
         return _error_text(error, slot, step)
-    except BaseException:  # of an object that has been tampered with
+    except BaseException:  # of a manipulated object
         return ErrorText(type_name(error), "", (), slot, step)
 
 
 def _error_text(error: BaseException, slot: str | None, step: int | None) -> ErrorText:
     lines = _lines(error)
-    # One that the submission has raised itself is one of its exceptions, and its text is not ours.
+    # A SubmissionError raised by the submission is one of its exceptions, without our text.
     if type(error) in (SubmissionError, AssignmentError, GraderError) and not lines:
         assert isinstance(error, GradingError)
         text = _cleaned(str(error))
@@ -216,7 +216,7 @@ def _error_text(error: BaseException, slot: str | None, step: int | None) -> Err
 
 
 def _noted(error: BaseException) -> FailedCallback | None:
-    """Return what the loop has noted on an exception; as `callback_of`, and nothing is called."""
+    """Return the loop's note on an exception, like `callback_of`, without any calls."""
     attributes = BaseException.__dict__["__dict__"].__get__(error)
     found = dict.get(attributes, "callback")
     return found if type(found) is FailedCallback else None
@@ -241,7 +241,7 @@ def _line_of_syntax(error: BaseException) -> SourceLine | None:
 
 
 def _source(line: SourceLine) -> str:
-    """Return the text of a line that was loaded; no file is opened, whatever its name is."""
+    """Return the text of a loaded line without opening any file."""
     entry = linecache.cache.get(line.file)
     lines = entry[2] if isinstance(entry, tuple) and len(entry) == 4 else []
     return clean_line(lines[line.number - 1].strip()) if 0 < line.number <= len(lines) else ""
@@ -262,7 +262,7 @@ def _told(line: SourceLine) -> str:
 
 
 def _message(error: BaseException) -> str:
-    """Return the text of an exception; of what may never end, or has any length, only its class."""
+    """Return the text of an exception; only its class if the text may be endless or long."""
     args = BaseException.__dict__["args"].__get__(error)
     kind = type(error)
     if args and type(args[0]) is str and (len(args) == 1 or issubclass(kind, SyntaxError)):
@@ -289,7 +289,7 @@ def _shown(value: Any) -> str:
 
 
 def _method(kind: type, name: str) -> object:
-    """Return what a class has of some name, by itself or by its bases."""
+    """Return a class's attribute of some name, also from its bases."""
     for each in type.__dict__["__mro__"].__get__(kind):
         own = type.__dict__["__dict__"].__get__(each)
         if name in own:
@@ -298,7 +298,7 @@ def _method(kind: type, name: str) -> object:
 
 
 def _is_users(method: object) -> bool:
-    """Return whether a method may be the submission's, and not of Python or of a package."""
+    """Return whether a method may be the submission's, not Python's or a package's."""
     if type(method) is FunctionType:
         return SourceLine(method.__code__.co_filename, 0, "").is_users
     return type(method) is not WrapperDescriptorType

@@ -170,7 +170,7 @@ def test_names_that_are_no_text(mine):
         os.mkdir(os.fsencode(mine) + b"/\xff")
     except OSError:
         pytest.skip("the file system refuses such a name")
-    told(mine, "'\\udcff' has characters in its name that cannot be seen")
+    told(mine, "'\\udcff' has invisible characters in its name")
 
 
 @on_posix
@@ -222,7 +222,7 @@ HARM = {
         *("../control.py", "a/../../control.py", ".git/../../x", "a/..", "a\\..\\x.py"),
     ],
     "is an absolute path": ["/etc/passwd", "//server/share", "C:/x.py", "c:x.py"],
-    "characters in its name that cannot be seen": [
+    "invisible characters in its name": [
         *("a\nb.py", "a\x1b[31m.py", "\u202eyp.lortnoc", "a\u200b.py", "a\u00a0.py"),
         "a\ufffe.py",
     ],
@@ -271,7 +271,7 @@ def test_a_file_that_is_there_twice(tmp_path):
         for second in (name, again):
             files = {"control.py": PLAIN, entry(name): "", entry(second): "other"}
             error = refused(packed(tmp_path / "s001.zip", files))
-            assert f"'{name}' is there twice" in str(error)
+            assert f"'{name}' occurs twice" in str(error)
 
 
 def test_a_null_character_ends_no_name(tmp_path):

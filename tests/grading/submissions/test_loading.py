@@ -261,11 +261,11 @@ def test_what_is_masked_cannot_be_had(tmp_path):
         "__import__('robsim.estimation.reference')",
     ):
         error = failure(write(tmp_path / "s001", control=f"{line}\n{PLAIN}"), MASKED)
-        assert "NotHereError: robsim.estimation.reference is not there" in str(error)
+        assert "NotHereError: robsim.estimation.reference is unavailable" in str(error)
         assert error.line == 1 + line.count("\n")
         late = f"def control(step):\n    {line.replace(chr(10), chr(10) + '    ')}\n"
         files = sent(write(tmp_path / "s002", control=late), MASKED)
-        masked = pytest.raises(ImportError, match=r"robsim\.estimation\.reference is not there")
+        masked = pytest.raises(ImportError, match=r"robsim\.estimation\.reference is unavailable")
         with loaded_slots(files, MASKED) as callbacks, masked:
             callbacks["control"](None)
         assert importlib.import_module("robsim.estimation.reference") is robsim.estimation.reference
@@ -284,11 +284,11 @@ def test_a_masked_function_cannot_be_had(tmp_path, monkeypatch, home, is_loaded)
         source = f"import {home}\n\n\ndef control(step):\n    {use}\n"
         files = sent(write(tmp_path / "s001", control=source), rules)
         with loaded_slots(files, rules) as callbacks:
-            with pytest.raises(ImportError, match=f"{home}.locate is not there"):
+            with pytest.raises(ImportError, match=f"{home}.locate is unavailable"):
                 callbacks["control"](None)
             robsim.Simulation(measure=True).run(2)  # robsim itself has it
     error = failure(write(tmp_path / "s002", control=f"from {home} import locate\n{PLAIN}"), rules)
-    assert f"{home}.locate is not there" in str(error)
+    assert f"{home}.locate is unavailable" in str(error)
     assert module.locate.__name__ == "locate"
     assert robsim.locate is robsim.vision.locate
 
@@ -303,7 +303,7 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, masks):
         monkeypatch.delitem(vars(robsim), "locate", raising=False)
         source = f"import robsim\n\n\ndef control(step):\n    {home}.locate(None)\n"
         files = sent(write(tmp_path / "s001", control=source), rules)
-        with loaded_slots(files, rules) as callbacks, pytest.raises(ImportError, match="not there"):
+        with loaded_slots(files, rules) as callbacks, pytest.raises(ImportError, match="unavailable"):
             callbacks["control"](None)
         assert robsim.locate.__name__ == "locate"
     harmless = f"from robsim import __version__\n{PLAIN}"
@@ -324,7 +324,7 @@ def test_a_mask_holds_at_the_top_and_in_the_wing(tmp_path, monkeypatch, masks):
 def test_a_mask_takes_the_object_wherever_it_lies(tmp_path, source):
     rules = Rules(slots=("control",), masked=TASKS["measure"].masked)
     folder = write(tmp_path / "s001", control=f"{source}\n{PLAIN}")
-    assert "is not there" in str(failure(folder, rules))
+    assert "is unavailable" in str(failure(folder, rules))
     assert robsim.Simulation(measure=True).run(2).seen.any()
 
 
@@ -493,4 +493,4 @@ def test_what_is_masked_is_told_in_a_worker(tmp_path):
     hidden = "robsim.estimation.reference"
     error = failure_in_a_worker(write(tmp_path / "s001", control=source), masked=[hidden])
     assert (error.step, error.file, error.line) == (0, "control.py", 5)
-    assert "robsim.estimation.reference is not there" in str(error)
+    assert "robsim.estimation.reference is unavailable" in str(error)

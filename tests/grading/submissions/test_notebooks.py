@@ -367,7 +367,7 @@ def test_what_is_no_notebook(tmp_path):
         ("", "no JSON"),
         ("9" * 100_000, "is not a notebook"),
         ("[" * 100_000, "no JSON"),
-        ("[" * 1_000_000, "too involved"),
+        ("[" * 1_000_000, "too complex"),
         ("[]", "format"),
         ('{"nbformat": 3}', "format 3"),
         ('{"nbformat": 4}', "list of cells"),

@@ -116,7 +116,7 @@ def test_a_submission_without_a_slot_is_told(tmp_path):
 def test_what_cannot_be_a_submission(tmp_path):
     (tmp_path / "s001.txt").write_text("hello")
     assert "s001.txt" in str(refused(tmp_path / "s001.txt"))
-    assert "is not there" in str(refused(tmp_path / "s002"))
+    assert "is missing" in str(refused(tmp_path / "s002"))
 
 
 @pytest.mark.long

@@ -1,4 +1,4 @@
-"""Exercises of the notebooks: functions that students write, and checks of these."""
+"""Exercises of the notebooks: functions for students to write, and their checks."""
 
 from robsim.teach.exercises.checking import check_answer, checked
 from robsim.teach.exercises.exercise import Exercise

@@ -24,7 +24,7 @@ from robsim.teach.exercises.shipped import notebook_exercises
 from robsim.teach.grading import Submission
 
 NOT_WRITTEN = "not written"
-_NO_EXERCISE = "answer: there is no exercise"
+_NO_EXERCISE = "answer: unknown exercise"
 _HINT_FROM = 2  # failures
 _LIMIT = 10.0  # s for a call
 _failures: Counter[str] = Counter()
@@ -40,7 +40,7 @@ def check_answer(
     answer : callable or Submission
         The function of a student, or a submission with a function of that name.
     exercise : str or Exercise, optional
-        The exercise, or the name of one of `notebook_exercises`. Default: the name of the function.
+        The exercise, or a name from `notebook_exercises`. Default: the name of the function.
     seed : int
         Seed of the numbers in the cases.
 
@@ -53,7 +53,7 @@ def check_answer(
     Raises
     ------
     TypeError, ValueError
-        If `answer` is no function or submission, or there is no such exercise.
+        If `answer` is no function or submission, or the exercise is unknown.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def check_answer(
     if exercise is None:
         exercise = _exercise(getattr(answer, "__name__", ""), _NO_EXERCISE)
     elif not isinstance(exercise, Exercise):
-        exercise = _exercise(exercise, "exercise: there is no")
+        exercise = _exercise(exercise, "exercise: unknown name")
     cases = drawn_cases(exercise, check_int("seed", seed, minimum=0, maximum=2**63 - 1))
     try:
         if isinstance(answer, Submission):
@@ -79,7 +79,7 @@ def check_answer(
     except _ChangedError as changed:
         return _report(exercise, "wrong", str(changed))
     except TimeoutError:
-        told = f"{exercise.name} does not end within {_LIMIT:g} s: look at its loops."
+        told = f"{exercise.name} does not end within {_LIMIT:g} s: check its loops."
         return _report(exercise, "failed", told)
     except Exception as error:
         line = line_of_error(error)
@@ -93,10 +93,10 @@ def check_answer(
 
 
 def checked(answer: Answer) -> Callable[..., Any]:
-    """Print whether the answer to an exercise is right; return a right one.
+    """Print whether the answer to an exercise is right; return a right answer.
 
-    So a notebook continues with the function of its student, or, until this is right, with one of
-    robsim. A hint follows the second wrong answer.
+    So a notebook continues with the student's function if it is right, else with robsim's. A hint
+    follows the second wrong answer.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def checked(answer: Answer) -> Callable[..., Any]:
     Returns
     -------
     callable
-        The answer if it is right, else one of robsim.
+        The answer if it is right, else robsim's.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def checked(answer: Answer) -> Callable[..., Any]:
 
 
 def _results(answer: Answer, exercise: Exercise, cases: Sequence[Case]) -> list[Any]:
-    """Return the results of all calls; it prints in the first call alone."""
+    """Return the results of all calls; output is printed in the first call only."""
     limit = TimeLimit(_LIMIT)
     call = limit.limited(answer, exercise.name)
     results = []
@@ -162,7 +162,7 @@ def _results(answer: Answer, exercise: Exercise, cases: Sequence[Case]) -> list[
 
 
 def _argument(function: Answer, at: int) -> str:
-    """Return the name of an argument, or its number where a function tells no names."""
+    """Return the name of an argument, or its number if the function hides its names."""
     with suppress(ValueError, IndexError):
         return [*signature(function).parameters][at]
     return str(at + 1)

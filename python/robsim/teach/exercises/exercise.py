@@ -22,12 +22,12 @@ _MOST_SHOWN = 6  # numbers of an array
 
 @dataclass(frozen=True, kw_only=True)
 class Exercise:
-    """A function that a student writes, from numbers and arrays to numbers and arrays.
+    """A function for a student to write, from numbers and arrays to numbers and arrays.
 
     Attributes
     ----------
     right : callable
-        A right answer. The exercise has its name.
+        A right answer, named like the exercise.
     cases : callable
         Gets a `numpy.random.Generator`, and returns the arguments of one call as a tuple.
     hint : str
@@ -36,9 +36,9 @@ class Exercise:
         Known wrong answers, by the sentences for students who give them.
     judge : callable, optional
         Gets a result and the arguments, and returns its fault as a sentence, or None.
-        For exercises with many right answers. Default: the result must be that of `right`.
+        For exercises with many right answers. Default: the result must equal the result of `right`.
     tolerance : float
-        The absolute difference that does not count, in the unit of the result; besides a relative
+        The allowed absolute difference, in the unit of the result, in addition to a relative
         one of 1e-6.
 
     Examples
@@ -74,7 +74,7 @@ class Exercise:
         check_float("tolerance", self.tolerance, minimum=0)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Return the result of the right answer, for other answers that build on it."""
+        """Return the result of the right answer, for other answers that use it."""
         return self.right(*arguments)
 
     @property
@@ -95,7 +95,7 @@ def drawn_cases(exercise: Exercise, seed: int) -> list[Case]:
 
 
 def fault_of(exercise: Exercise, cases: Sequence[Case], results: Sequence[Any]) -> str | None:
-    """Return the fault of the results of an answer as a sentence; None = they are right."""
+    """Return the fault in an answer's results as a sentence; None = all are right."""
     faults = (_fault(exercise, *one) for one in zip(cases, results, strict=True))
     found = next(filter(None, faults), None)
     if found is None:
@@ -142,7 +142,7 @@ def _difference(call: str, result: Any, right: Any, tolerance: float) -> str:
 
 
 def _two(got: Any, words: str, wanted: Any) -> str:
-    """Return both in a sentence, with as many digits as show that they differ."""
+    """Return both in a sentence, with enough digits to show their difference."""
     digits = next((n for n in (6, 10) if _shown(got, n) != _shown(wanted, n)), 16)
     return f"{_shown(got, digits)}, {words} {_shown(wanted, digits)}"
 

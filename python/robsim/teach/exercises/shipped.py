@@ -1,4 +1,4 @@
-"""The exercises that ship with robsim, by notebook, and notebooks with their answers."""
+"""The exercises of robsim by notebook, and notebooks with their answers."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def copy_notebooks(folder: str | PathLike[str], *, solutions: bool = False) -> l
     folder : path
         The folder, created if needed.
     solutions : bool
-        Whether the exercises are solved.
+        Whether to include the answers of the exercises.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def copy_notebooks(folder: str | PathLike[str], *, solutions: bool = False) -> l
     Raises
     ------
     FileExistsError
-        If one of them exists there: then nothing is written.
+        If one of them exists in the folder; then nothing is written.
     NotADirectoryError
         If `folder` is a file.
 

@@ -26,7 +26,7 @@ from robsim.teach.tasks.kinds.park import ParkTask
 _LENGTH = 100.0  # px of the work area that count as 1
 
 
-#: The rest of a run from a pose on, 0 at the goal; its decrease is the reward of a step.
+#: The remaining cost of a run from a pose on, 0 at the goal; its decrease is a step's reward.
 Left = Callable[[Floats], float]
 
 
@@ -50,7 +50,7 @@ def _left_to_follow(task: FollowTask, start: Floats) -> Left:
     """Return (way left along the path + distance from it) / 100 px, of a pose."""
     points = np.vstack((start[:2], task.waypoints))
     radius: float = task.values["WAYPOINT_RADIUS"]
-    number = 1  # of the waypoint that is driven to
+    number = 1  # of the next waypoint
 
     def left(pose: Floats) -> float:
         nonlocal number
@@ -87,12 +87,12 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     task : str or Task
         The name of a task that a controller solves, ``"park"`` or ``"follow"``, or the task.
     observation : {"pose", "frame"}
-        ``"pose"``: float32 (4,): x, y (px of the work area), heading (rad) where the robot was seen
-        last, and 1 if that is now, else 0. ``"frame"``: the image, uint8 (H, W, 3).
+        ``"pose"``: float32 (4,): x, y (px of the work area), heading (rad) of the last sighting of
+        the robot, and 1 if it is seen now, else 0. ``"frame"``: the image, uint8 (H, W, 3).
     render_mode : {"rgb_array"}, optional
-        What `render` returns: the frame.
+        The result of `render`: the frame.
     **parameters
-        Of a task by name, what differs from its defaults.
+        The parameters that differ from the defaults, of a task by name.
 
     Raises
     ------
@@ -101,10 +101,10 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
     Notes
     -----
-    The reward of a step is what is left to do before it, less what is left after it, of the true
-    poses: in 100 px of the way, and for parking near the goal the sine of half the heading error.
-    The last step of an episode has the scores of the task in its ``info["scores"]``. Each ``info``
-    has the true pose, ``info["pose_true"]``, which is not the controller's to know.
+    The reward of a step is the decrease of the remaining cost, from the true poses: the way in
+    100 px, and for parking near the goal the sine of half the heading error. The last step of an
+    episode has the scores of the task in its ``info["scores"]``. Each ``info`` has the true pose,
+    ``info["pose_true"]``, which the controller must not use.
 
     Examples
     --------
@@ -149,11 +149,11 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[Any], dict[str, Any]]:
-        """Begin a run; with the same seed the same one. There are no options."""
+        """Begin a run; the same seed gives the same run. `options` must be empty."""
         if seed is not None:
             check_int("seed", seed, minimum=0, maximum=2**63 - 1)
         if options is not None and (not isinstance(options, dict) or options):
-            raise TypeError(f"options must be None, as there are none, got {quoted(options)}")
+            raise TypeError(f"options must be None or empty, got {quoted(options)}")
         super().reset(seed=seed, options=options)
         run = int(self.np_random.integers(2**63))
         if self._simulation is None:
@@ -184,11 +184,11 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         if is_over:
             info["scores"] = self.task.score(simulation.trace)
         before, self._left = self._left, self._left_of(pose)
-        # reward = left(k) - left(k + 1): the sum over a run is what was done of it
+        # reward = left(k) - left(k + 1): the sum over a run is its progress
         return self._observed(step), before - self._left, False, is_over, info
 
     def render(self) -> NDArray[Any] | None:
-        """Return the frame, uint8 (H, W, 3), if `render_mode` says so."""
+        """Return the frame, uint8 (H, W, 3), if `render_mode` is set."""
         if self.render_mode is None:
             return None
         return self._image()
@@ -218,7 +218,7 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
     def _running(self) -> Simulation:
         if self._simulation is None:
-            raise gymnasium.error.ResetNeeded("call reset() first: there is no run yet")
+            raise gymnasium.error.ResetNeeded("no run yet: call reset() first")
         return self._simulation
 
 
@@ -228,7 +228,7 @@ def _task(task: str | Task, parameters: dict[str, Any]) -> Task:
     elif not isinstance(task, Task):
         raise TypeError(f"task must be a name or a Task, got {quoted(task)}")
     elif parameters:
-        raise TypeError(f"a Task has its parameters already, got {', '.join(parameters)} beside it")
+        raise TypeError(f"a Task already has its parameters, got also {', '.join(parameters)}")
     if type(task) not in REWARDS:
         known = ", ".join(name for name, kind in TASKS.items() if kind in REWARDS)
         raise ValueError(f"task must be for a controller, {known}, got {quoted(task.name)}")

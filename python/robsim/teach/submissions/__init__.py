@@ -1,4 +1,4 @@
-"""Submissions: read without being run, sent to a worker, loaded there."""
+"""Submissions: read without running them, sent to a worker, loaded there."""
 
 from robsim.teach.submissions.files import SubmissionFiles
 from robsim.teach.submissions.loading import load_slots, loaded_slots

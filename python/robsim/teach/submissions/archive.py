@@ -1,4 +1,4 @@
-"""Files of a zip: what it says of itself is not believed."""
+"""Files of a zip, without trust in its own list of sizes and kinds."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from robsim.teach.submissions.rules import Rules
 
 _ENTRY = b"PK\x01\x02"  # begins each entry of the list of contents
 _MOST_LISTED = 2**24  # bytes of the list of contents of a class: some 80 000 files
-_MOST_PER_FILE = 20  # entries, folders and leftovers counted, for each file that is allowed
+_MOST_PER_FILE = 20  # entries, folders and leftovers counted, for each allowed file
 _OVERHEAD = 2**20  # bytes
 _CHUNK = 2**16
-_SMALL = 2**16  # bytes that no ratio matters for
+_SMALL = 2**16  # bytes below which any ratio is allowed
 _UTF8 = 0x800  # a flag of an entry
 _BROKEN = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError, RuntimeError),
@@ -41,7 +41,7 @@ def most_of_archive(rules: Rules) -> int:
 
 
 def read_archive(content: bytes, intake: Intake) -> None:
-    # Python reads the whole list of contents before it tells anything of it.
+    # Python reads the whole list of contents before it reports any entry.
     if content.count(_ENTRY) > _MOST_PER_FILE * intake.rules.files:
         raise SubmissionError(f"{intake.whole} has too many files: hand in what counts")
     with _told(intake.whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -81,7 +81,7 @@ class _ClassZips(ExitStack):
 def class_zips() -> Iterator[_ClassZips]:
     """Yield the zips of classes; the outermost context keeps them open for all inside it.
 
-    So their lists of contents are read once, and not for each student.
+    So their lists of contents are read once, not for each student.
     """
     if (outer := _OUTERMOST.get()) is not None:
         yield outer
@@ -140,7 +140,7 @@ def _told(whole: str) -> Iterator[None]:
 
 def _path_of(entry: zipfile.ZipInfo) -> str:
     name = entry.orig_filename  # `filename` ends at a null character
-    if not entry.flag_bits & _UTF8:  # some tools write UTF-8 nevertheless
+    if not entry.flag_bits & _UTF8:  # some tools write UTF-8 without the flag
         with suppress(UnicodeError):
             return name.encode("cp437").decode()
     return name
@@ -162,9 +162,9 @@ def _take(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: I
 def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
     kind = stat.S_IFMT(entry.external_attr >> 16)
     if kind == stat.S_IFLNK:
-        problem = "is a link: put the file itself in its place"
+        problem = "is a link: replace it by the file"
     elif kind not in (0, stat.S_IFREG, stat.S_IFDIR):
-        problem = "is no file, but a device or a pipe: remove it"
+        problem = "is a device or a pipe, no file: remove it"
     elif entry.flag_bits & 1:
         problem = "is encrypted: pack it without a password"
     elif entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
@@ -175,7 +175,7 @@ def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
 
 
 def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> bytes:
-    """Return what is in a file, as far as it is allowed: its size is counted while it is read."""
+    """Return the content of a file, within the limits: its size is counted while it is read."""
     ratio = intake.rules.ratio
     content = bytearray()
     with archive.open(entry) as stream:

@@ -42,13 +42,13 @@ def is_notebook(path: str | PathLike[str], slots: Iterable[str]) -> bool:
 
 
 def read_notebook(path: str | PathLike[str], slots: tuple[str, ...]) -> SubmissionFiles:
-    """Return a notebook, not run; raise FileNotFoundError, or ValueError if grading refuses it.
+    """Return a notebook without running it; raise FileNotFoundError, or ValueError if refused.
 
     A single notebook comes with the ``task.py`` of its folder.
     """
     file = as_path(path)
     if not file.exists():
-        raise FileNotFoundError(f"no file {path}")
+        raise FileNotFoundError(f"file {path} is missing")
     beside = file.with_name(_GIVEN)
     given = {_GIVEN: beside.read_bytes()} if file.is_file() and beside.is_file() else {}
     try:
@@ -71,7 +71,7 @@ def callback_files(notebook: SubmissionFiles) -> dict[str, bytes]:
 def why_files_refused(
     files: Mapping[str, bytes], callbacks: AbstractContextManager[dict[str, Any]], rules: Rules
 ) -> str:
-    """Return the reason for which grading would take the files of slots for no work; "" = none."""
+    """Return the reason for which grading would refuse the files of slots; "" = accepted."""
     if reason := _why_masked(files, rules.slots, rules):
         return reason
     with quiet(), masked(rules) as taken, callbacks as loaded:
@@ -89,7 +89,7 @@ def why_files_refused(
 
 
 def why_notebook_refused(notebook: SubmissionFiles, rules: Rules) -> str:
-    """Return the reason for which grading would take a notebook for no work; "" = none."""
+    """Return the reason for which grading would refuse a notebook; "" = accepted."""
     code = ast.unparse(ast.Module([*statements_of_slot(notebook, rules, "")], []))
     main = notebook.main
     if reason := _why_masked({**notebook.modules, main: code.encode()}, [main], rules):
@@ -102,18 +102,18 @@ def why_notebook_refused(notebook: SubmissionFiles, rules: Rules) -> str:
 
 
 def _why_masked(files: Mapping[str, bytes], mains: Iterable[str], rules: Rules) -> str:
-    """Return which file in use names something masked; "" = no file does."""
+    """Return the reason if a file in use names something masked; "" = no file does."""
     used = {*mains, *imported_names(files)}
     in_use = {name: source for name, source in files.items() if name in used}
     for name, mask in masked_in(in_use, rules.masked).items():
         file = name if name.endswith(".ipynb") else f"{name}.py"
-        return f"{file} has {mask}, which is not there for this task"
+        return f"{file} has {mask}, which is unavailable in this task"
     return ""
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Print the output of code that is run in addition only if it fails: its run prints it."""
+    """Print the output of an additional run of code only if it fails: its real run prints it."""
     printed = io.StringIO()
     try:
         with redirect_stdout(printed):

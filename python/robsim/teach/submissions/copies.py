@@ -1,4 +1,4 @@
-"""Copies of masked functions: code of robsim's files, which a submission runs again."""
+"""Copies of masked functions: code of robsim's files that a submission runs again."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
 
-_LEAST = 200  # bytes of code: a shorter function may be like another's by chance
+_LEAST = 200  # bytes of code: a shorter function may equal another by chance
 
 _Body = tuple[bytes, tuple[str, ...]]  # without names of variables
 
@@ -72,7 +72,7 @@ def _nested(code: CodeType | None) -> Iterator[CodeType]:
 
 @cache
 def _listen() -> None:
-    sys.addaudithook(_refuse)  # for good: Python has no way to take one away
+    sys.addaudithook(_refuse)  # forever: Python cannot remove a hook
 
 
 def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
@@ -84,4 +84,4 @@ def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
                 raise ImportError(f"this is a copy of {mask}: write your own code", name=mask)
 
 
-_codes_of_files("robsim.estimation.reference")  # before a worker is shut in
+_codes_of_files("robsim.estimation.reference")  # before the worker's sandbox hides the file

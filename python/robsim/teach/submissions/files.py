@@ -1,4 +1,4 @@
-"""A submission as it was read, and as it goes to the worker."""
+"""A submission after reading, and its message to the worker."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 from robsim.teach.submissions.names import checked_path
 
-#: What a submission is: files named after slots, one Python file, or a notebook.
+#: Kinds of submissions: files named after slots, one Python file, or a notebook.
 FOLDER, FILE, NOTEBOOK = "folder", "file", "notebook"
 
 _MAGIC = b"robsim submission 1\n"
@@ -22,7 +22,7 @@ _LENGTHS = struct.Struct("<II")  # of the heading, of the contents
 
 @dataclass(frozen=True)
 class SubmissionFiles:
-    """A submission that was read, and not run."""
+    """A submission that was read without running it."""
 
     name: str  # of its folder or file
     kind: str  # `FOLDER`, `FILE` or `NOTEBOOK`
@@ -55,7 +55,7 @@ class SubmissionFiles:
                 file.write_bytes(content)
 
     def to_message(self) -> bytes:
-        """Return it as bytes, for digests: a heading in JSON, and the contents of the files."""
+        """Return the submission as bytes, for digests: a JSON heading, and the files' contents."""
         heading = {
             "name": self.name,
             "kind": self.kind,

@@ -1,4 +1,4 @@
-"""Files of a folder: no link is followed, whatever changes meanwhile."""
+"""Files of a folder: no link is followed, even if the folder changes meanwhile."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robsim.teach.errors import SubmissionError
 from robsim.teach.submissions.names import Paths, checked_path, refusal_in
 from robsim.teach.submissions.rules import Rules
 
-_MOST_LEFTOVERS = 20  # times as many as files that count
+_MOST_LEFTOVERS = 20  # leftovers for each file that counts
 #: Suffixes of archives. The grader reads zips alone.
 ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".tgz", ".gz", ".bz2", ".xz")
 FORMS = (".zip", ".py", ".ipynb")  # suffixes of submissions
@@ -79,21 +79,21 @@ class Intake:
         self.files[counted] = content
 
 
-# Windows has no descriptors of folders: there its paths serve, and a link is seen before.
+# Windows has no descriptors of folders: there paths replace them, and links are checked first.
 _BY_DESCRIPTOR = {os.open, os.stat} <= os.supports_dir_fd and os.scandir in os.supports_fd
 _FLAGS = os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
-# A FIFO or a terminal that came in between keeps nobody.
+# A FIFO or a terminal that appears meanwhile cannot block the process.
 _SAFE = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
 _KINDS = {
-    stat.S_IFLNK: "a link: put the file itself in its place",
+    stat.S_IFLNK: "a link: replace it by the file",
     stat.S_IFIFO: "a pipe: remove it",
     stat.S_IFSOCK: "a socket: remove it",
     stat.S_IFBLK: "a device: remove it",
     stat.S_IFCHR: "a device: remove it",
 }
-#: An open folder: its descriptor, or its path on a system without such.
+#: An open folder: its descriptor, or its path on a system without descriptors of folders.
 _Folder = int | str
-#: A path, and the descriptor of the folder that it begins at.
+#: A path, and the descriptor of its start folder.
 _Where = tuple[str, int | None]
 
 
@@ -129,16 +129,16 @@ def read_folder(path: str, intake: Intake) -> None:
 
 
 def lone_zip(path: str, intake: Intake) -> str | None:
-    """Return the name of the zip that a folder was handed in as: beside it is nothing to grade.
+    """Return the name of a folder's only zip, if the folder has nothing else to grade.
 
-    So platforms pack what somebody has uploaded as a zip. None = there is no such zip.
+    Platforms pack an uploaded zip in this way. None = no zip, or several.
     """
     with _told(intake.whole, intake.whole), _opened_folder(path) as folder:
         return lone_zip_of(_names(folder, intake), intake)
 
 
 def lone_zip_of(names: Mapping[str, bool], intake: Intake) -> str | None:
-    """Return what `lone_zip` does, by names and whether they are folders."""
+    """Return the result of `lone_zip`, from the names and whether they are folders."""
     found = [
         name
         for name, is_folder in names.items()
@@ -194,12 +194,12 @@ def _content(where: _Where, whole: str, path: str, most: int) -> bytes:
 
 @contextmanager
 def _told(whole: str, path: str) -> Iterator[None]:
-    """Say of which file the system has refused something."""
+    """Name the file in errors of the system."""
     try:
         yield
     except OSError as error:
         if isinstance(error, FileNotFoundError):
-            problem = "is not there"
+            problem = "is missing"
         elif isinstance(error, PermissionError):
             problem = "cannot be read: give the permission to read it (chmod -R u+rX)"
         else:

@@ -1,4 +1,4 @@
-"""The callbacks of a submission alone, without stages, objects and templates of robsim."""
+"""The callbacks of a submission, without stages, objects and templates of robsim."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def own_slots(
     masked: Mapping[int, str],
     statements_of: Callable[[str], Iterable[ast.stmt]],
 ) -> dict[str, Any]:
-    """Return the callbacks without those that robsim has made.
+    """Return the callbacks except those made by robsim.
 
     `masked` has the masks by the ids of their objects; `statements_of` returns the top-level
     statements of a callback's module.
-    Raise ValueError, which says why, if nothing is left, or nothing but untouched templates.
+    Raise ValueError with the reason if nothing is left, or only untouched templates.
     """
     asked = [name for name in asked if name in callbacks]
     why = {name: reason for name in asked if (reason := _reason(name, callbacks[name], masked))}
@@ -91,5 +91,5 @@ def _templates() -> frozenset[str]:
 
 _MAKER, _STAGE = "init_parameter_estimator", "estimate_parameters"
 _HERE = Path(__file__).parents[1]
-#: Read before a worker is shut in.
+#: Read before the worker's sandbox is closed.
 _TEMPLATES = _templates()

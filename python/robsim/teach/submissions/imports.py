@@ -1,4 +1,4 @@
-"""What a submission may import: a courtesy that says it in a sentence, and no wall."""
+"""The allowed imports of a submission: refused ones get a clear sentence; this is no sandbox."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robsim.teach.submissions.rules import Rules
 
 
 class _Masked(MetaPathFinder):
-    """A finder that has a sentence in place of each masked module."""
+    """A finder that raises a sentence for each masked module."""
 
     def __init__(self, masked: Sequence[str]) -> None:
         self._masked = masked
@@ -40,11 +40,11 @@ class NotHereError(ImportError):
     """A submission uses a masked module or name."""
 
     def __init__(self, mask: str) -> None:
-        super().__init__(f"{mask} is not there for this assignment: do not use it", name=mask)
+        super().__init__(f"{mask} is unavailable in this assignment: write your own code", name=mask)
 
 
 class _Absent:
-    """What stands in the place of a masked function or class."""
+    """The replacement of a masked function or class."""
 
     def __init__(self, mask: str) -> None:
         object.__setattr__(self, "_mask", mask)
@@ -58,10 +58,10 @@ class _Absent:
 
 @contextmanager
 def masked(rules: Rules, *, for_good: bool = False) -> Iterator[dict[int, str]]:
-    """Take the masked modules and names away inside the context, also those imported before.
+    """Hide the masked modules and names inside the context, also already imported ones.
 
-    It yields the masks by the ids of their objects. For good: robsim itself loses the objects,
-    and a search of the memory finds none that works.
+    It yields the masks by the ids of their objects. With `for_good`, robsim itself loses the
+    objects, and a search of the memory finds no working one.
     """
     values = {mask: _value_of(mask) for mask in rules.masked}
     with copies_refused(values), ExitStack() as restored:
@@ -86,7 +86,7 @@ def _take(values: Mapping[str, Any], restored: ExitStack) -> None:
 
 
 def _spoil(values: dict[str, Any]) -> None:
-    """Leave no method of masked classes, and of masked functions no name in any module."""
+    """Remove the methods of masked classes, and masked functions from all modules."""
     for mask, value in values.items():
         if isinstance(value, type):
             for name in [name for name, part in vars(value).items() if callable(part)]:
@@ -101,7 +101,7 @@ def _spoil(values: dict[str, Any]) -> None:
 
 
 def _value_of(mask: str) -> Any:
-    """Return a masked function or class of robsim; None = it is a module, or not robsim's."""
+    """Return a masked function or class of robsim; None = a module, or not robsim's."""
     package, _, name = mask.rpartition(".")
     try:
         is_module = find_spec(mask) is not None
@@ -112,7 +112,7 @@ def _value_of(mask: str) -> Any:
 
 
 def _take_everywhere(value: Any, mask: str, restored: ExitStack) -> None:
-    """Take an object away from the core and all rooms that offer it; their own code keeps it."""
+    """Remove an object from the core and all rooms that offer it; their own code keeps it."""
     for name, module in sys.modules.copy().items():
         if value is None or not f"{name}.".startswith("robsim.") or name.startswith("robsim.teach"):
             continue
@@ -123,14 +123,14 @@ def _take_everywhere(value: Any, mask: str, restored: ExitStack) -> None:
 
 
 def _packages_of(mask: str) -> tuple[str, ...]:
-    """Return the modules that have a name: each name at the top of robsim lies in a wing, too."""
+    """Return the modules that have a name: each top-level name of robsim is also in a wing."""
     package, _, name = mask.rpartition(".")
     both = ("robsim", f"robsim.{vars(sys.modules['robsim'])['_HOMES'].get(name)}")
     return both if package in both and both[1] in sys.modules else (package,)
 
 
 def _take_attribute(package: str, mask: str, restored: ExitStack) -> None:
-    """Take a name away from a module; the import of a masked module then fails."""
+    """Remove a name from a module; the import of a masked module then fails."""
     name = mask.rpartition(".")[2]
     module = sys.modules.get(package)
     if module is None:
@@ -157,7 +157,7 @@ def _is_late(module: ModuleType, name: str) -> bool:
 def builtins_for(rules: Rules, own: Sequence[str], taken: Mapping[int, str]) -> dict[str, Any]:
     """Return the built-in names of a submission, with an ``import`` that follows the rules.
 
-    The submission may always import its own modules. `taken` is what `masked` yields.
+    The submission may always import its own modules. `taken` is the result of `masked`.
     """
     plain_import = builtins.__import__
     allowed = None if rules.imports is None else {*rules.imports, *own, "__future__"}
@@ -180,7 +180,7 @@ def builtins_for(rules: Rules, own: Sequence[str], taken: Mapping[int, str]) -> 
             if allowed is not None and top not in allowed:
                 may = ", ".join(sorted(rules.imports or ())) or "nothing"
                 raise ImportError(
-                    f"{top} may not be imported in this assignment: there is {may}", name=top
+                    f"{top} may not be imported in this assignment; allowed: {may}", name=top
                 )
         module = plain_import(name, globals, locals, fromlist, level)
         for inner in fromlist or ():
@@ -204,7 +204,7 @@ def masked_in(sources: Mapping[str, bytes], masked: Sequence[str]) -> dict[str, 
     found: dict[str, str] = {}
     taken = {id(one): mask for mask in masked if (one := _value_of(mask)) is not None}
     for name, source in sources.items():
-        with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # told when it loads
+        with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # reported at loading
             for written in _dotted_names(ast.parse(source)):
                 if mask := _above(written, masked) or taken.get(id(_of_robsim(written))):
                     found.setdefault(name, mask)
@@ -234,7 +234,7 @@ def _dotted_names(tree: ast.AST) -> Iterator[str]:
 
 
 def _of_a_run(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes, without what only a run as a script or a type checker reads."""
+    """Yield the nodes except those for scripts or type checkers."""
     waiting: list[ast.AST] = [tree]
     while waiting:
         yield (node := waiting.pop())

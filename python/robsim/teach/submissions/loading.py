@@ -1,4 +1,4 @@
-"""The callbacks of a submission, from the sources that were read; this runs its code."""
+"""The callbacks of a submission, from its sources; this module runs its code."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _for_good: list[AbstractContextManager[Callbacks]] = []
 def load_slots(
     files: SubmissionFiles, rules: Rules, folder: str | PathLike[str] | None = None
 ) -> Callbacks:
-    """Load a submission for the rest of the process: what a worker does, once.
+    """Load a submission for the rest of the process: a worker does this once.
 
     Return its callbacks by slot, and its functions by name. False is a switched off slot, True the
     default stage. The folder has its data files, for its ``__file__``. A SubmissionError has slot
@@ -48,7 +48,7 @@ def load_slots(
     """
     context = loaded_slots(files, rules, folder, for_good=True)
     callbacks = context.__enter__()
-    _for_good.append(context)  # which would end with it
+    _for_good.append(context)  # its end would undo the load
     return callbacks
 
 
@@ -75,14 +75,14 @@ def loaded_slots(
 
 
 def statements_of_slot(files: SubmissionFiles, rules: Rules, slot: str) -> Iterator[ast.stmt]:
-    """Yield the top-level statements of a slot's module, or what counts of a notebook."""
+    """Yield the top-level statements of a slot's module, or the used statements of a notebook."""
     if files.kind != NOTEBOOK:
         module = slot if files.kind == FOLDER else PurePosixPath(files.main).stem
         yield from statements_of(files.modules[module], f"{module}.py")
         return
     for part in chosen(files.sources[files.main], files.main, rules.names).parts:
         filled = ast.unparse(part.value) if isinstance(part, Fill) else ""
-        if not filled.removesuffix("()").isidentifier():  # of what another statement defines
+        if not filled.removesuffix("()").isidentifier():  # of a value from another statement
             yield part.node
 
 
@@ -138,9 +138,9 @@ def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, 
     module = ModuleType(module_name(_MODULE))
     module.__file__ = str(where / files.main)
     vars(module)["__builtins__"] = own
-    sys.modules[module.__name__] = module  # where dataclasses look it up
+    sys.modules[module.__name__] = module  # dataclasses need it there
     filled = run_cells(files.sources[files.main], files.main, rules.names, vars(module))
-    face = ModuleType(module.__name__)  # as a notebook may have a slot's name for something else
+    face = ModuleType(module.__name__)  # because a notebook may use a slot's name otherwise
     vars(face).update(filled)
     return face
 
@@ -148,7 +148,7 @@ def _notebook(files: SubmissionFiles, where: Path, rules: Rules, own: dict[str, 
 def run_cells(
     content: bytes, file: str, names: Sequence[str], module: dict[str, Any]
 ) -> dict[str, Any]:
-    """Run what counts of a notebook with the variables of a module; return its values of slots."""
+    """Run the used parts of a notebook with a module's variables; return its values of slots."""
     notebook = chosen(content, file, tuple(names))
     lost: ImportError | None = None
     for cell in {part.cell for part in notebook.parts}:
@@ -160,7 +160,7 @@ def run_cells(
         except ImportError as error:
             if not part.is_star:
                 raise
-            lost = error  # of names that may not be needed
+            lost = error  # of names that may be unused
         except NameError as error:
             raise lost or error from None
     for name, unknown in notebook.unknown.items():
@@ -171,7 +171,7 @@ def run_cells(
 
 @contextmanager
 def _failing(name: str, slot: str | None) -> Iterator[None]:
-    """Say of an exception of the submission's code that it is the submission's."""
+    """Attribute an exception of the submission's code to the submission."""
     try:
         yield
     except (SubmissionError, KeyboardInterrupt):
@@ -181,6 +181,6 @@ def _failing(name: str, slot: str | None) -> Iterator[None]:
         if text.lines:
             told = f"{replace(text, slot=None)}"
             told += f" (when {text.slot} was loaded)" if text.slot is not None else ""
-        else:  # what robsim says of a callback, which names its file
+        else:  # an error of robsim about a callback, which names its file
             told = text.message
         raise SubmissionError(told, slot=text.slot, file=text.file, line=text.line) from None

@@ -1,4 +1,4 @@
-"""Names of files in a submission: which are refused, and which are passed over."""
+"""Names of files in a submission: forbidden ones, and ignored ones."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import unicodedata
 from robsim.base.text import one_line, quoted
 from robsim.teach.errors import SubmissionError
 
-# Learning platforms put a student's whole name before that of a file.
+# Learning platforms put a student's whole name in front of a file name.
 _LONGEST_PART, _LONGEST, _DEEPEST = 150, 250, 8
 _MOST_BYTES = 240  # of a name; systems take 255
 _FORBIDDEN = frozenset('<>:"|?*')
 _DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³])(\..*)?", re.IGNORECASE)
 _DRIVE = re.compile(r"[A-Za-z]:")
-# What tools leave beside the files of their users; hidden files are passed over, too.
+# Leftovers of tools next to their users' files; hidden files are also ignored.
 _LEFTOVERS = frozenset({"__macosx", "__pycache__", "thumbs.db", "desktop.ini", "venv"})
 RENAME = "rename it with plain letters, digits and _"
 
@@ -28,15 +28,15 @@ def checked_path(name: str, whole: str) -> str | None:
     if "\0" in name:
         raise refusal_in(whole, name, f"has a null character in its name: {RENAME}")
     if name.startswith(("/", "\\")) or _DRIVE.match(name):
-        said = "is an absolute path: pack the folder itself, and nothing else"
+        said = "is an absolute path: pack only the folder"
         raise refusal_in(whole, name, said)
     parts = [part for part in re.split(r"[\\/]", name) if part not in ("", ".")]  # of old zips
     if ".." in parts:
-        raise refusal_in(whole, name, "leads out of the folder: pack the folder itself")
+        raise refusal_in(whole, name, "leads out of the folder: pack only the folder")
     if any(part.startswith(".") or part.lower() in _LEFTOVERS for part in parts):
         return None
     if len(name) > _LONGEST or len(parts) > _DEEPEST:
-        said = "has too long a path: give it a shorter one, near the top"
+        said = "has too long a path: shorten it, and put it near the top"
         raise refusal_in(whole, name, said)
     parts = [unicodedata.normalize("NFC", part) for part in parts]
     for part in parts:
@@ -46,13 +46,13 @@ def checked_path(name: str, whole: str) -> str | None:
 
 
 def problem_of(part: str) -> str | None:
-    """Return why not every system takes a name; None = all do."""
+    """Return the reason why some system refuses a name; None = no reason."""
     if len(part) > _LONGEST_PART or len(os.fsencode(part)) > _MOST_BYTES:
         return "has too long a name"
     if not part.isprintable():
-        return "has characters in its name that cannot be seen"
+        return "has invisible characters in its name"
     if strange := sorted(_FORBIDDEN & set(part)):
-        return f"has {strange[0]} in its name, which not every system takes"
+        return f"has {strange[0]} in its name, which some systems refuse"
     if part != part.strip() or part.endswith("."):
         return "has a name that ends in a space or a dot"
     if _DEVICE.fullmatch(part):
@@ -61,7 +61,7 @@ def problem_of(part: str) -> str | None:
 
 
 class Paths:
-    """The paths that a submission has so far; no two are one on any system."""
+    """The paths of a submission so far; no two are equal on any system."""
 
     def __init__(self, whole: str) -> None:
         self._whole = whole
@@ -74,12 +74,12 @@ class Paths:
             known = self._known.setdefault(same_for_all(new[0]), new)
             if known is not new and not (known == new and new[1]):
                 said = f"and {quoted(known[0])} are one file on some systems: rename one of them"
-                twice = "is there twice: keep one of them"
+                twice = "occurs twice: keep one of them"
                 raise refusal_in(self._whole, new[0], twice if known[0] == new[0] else said)
 
 
 def same_for_all(path: str) -> str:
-    """Return what paths have in common that are one file on some systems."""
+    """Return the common form of paths that are one file on some systems."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", path).casefold())
 
 
@@ -90,6 +90,6 @@ def refusal(place: str, said: str, line: int | None = None) -> SubmissionError:
 
 
 def refusal_in(whole: str, path: str, said: str) -> SubmissionError:
-    """Return the error of a file in a submission, or of all of it."""
+    """Return the error of a file in a submission, or of the whole submission."""
     at = whole if path == whole else f"{whole}: {quoted(path)}"
     return SubmissionError(f"{at} {said}", file=one_line(path[:_LONGEST]))

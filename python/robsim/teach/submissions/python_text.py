@@ -1,4 +1,4 @@
-"""Python source of a submission: whether it can be compiled, told without running it."""
+"""Python source of a submission, checked without running it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LOCK = threading.Lock()  # filters of warnings belong to all threads
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Let nothing inside warn of a submission's code; Python warns again when it is run."""
+    """Suppress warnings about a submission's code inside; Python repeats them in its run."""
     with _LOCK, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
@@ -56,11 +56,11 @@ def _coding(content: bytes, place: str) -> str:
     for number, line in enumerate(content.split(b"\n", 2)[:2], 1):
         if found := _CODING.match(line):
             name = found[1].decode("ascii", "replace")
-            with suppress(LookupError, UnicodeError):  # there is no such coding, or it is no text
+            with suppress(LookupError, UnicodeError):  # unknown coding, or no text
                 if _PLAIN.decode(name) == _PLAIN.decode("ascii"):
                     return codecs.lookup(name).name
             said = f"{quoted(name)}: save it as UTF-8 text, and delete this line"
-            raise refusal(place, f": it says that it is in {said}", number)
+            raise refusal(place, f": it declares the coding {said}", number)
         if line.strip() and not line.lstrip().startswith(b"#"):
             break
     return "utf-8"
@@ -71,7 +71,7 @@ def check_extent(text: str, place: str) -> None:
     if words > _MOST_WORDS:
         raise refusal(
             place,
-            f" has {words} words and signs, and {_MOST_WORDS} are allowed: put large tables "
+            f" has {words} words and signs, more than the allowed {_MOST_WORDS}: put large tables "
             "into another file, such as .npy or .csv",
         )
     if chain := _LONG_CHAIN.search(text):
@@ -86,7 +86,7 @@ def check_source(content: bytes, place: str) -> None:
 
 
 def compiled(code: str | ast.Module, text: str, place: str, flags: int = 0) -> Any:
-    """Return what `compile` makes of a text or its tree; raise SubmissionError."""
+    """Return the result of `compile` for a text or its tree; raise SubmissionError."""
     try:
         with quiet():
             return compile(code, place, "exec", flags, dont_inherit=True)
@@ -132,7 +132,7 @@ def slots_of_module(text: str, file: str, slots: tuple[str, ...]) -> tuple[str, 
 
 
 def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> SubmissionError:
-    """Return the error for a file or notebook that has nothing of what it may."""
+    """Return the error for a file or notebook without any slot or function of the assignment."""
     wanted = " or ".join(
         f"{name}({SLOTS[name].argument if name in SLOTS else '...'})" for name in slots
     )
@@ -142,6 +142,6 @@ def no_slot(place: str, defined: set[str], slots: tuple[str, ...]) -> Submission
         if slot in slots
     ]
     first = next(iter(slots))
-    lacks = "fills no slot" if first in SLOTS else "defines no function that is asked for"
+    lacks = "fills no slot" if first in SLOTS else "defines no required function"
     said = f"define {wanted}, or write {first} = ... for an object that can be called"
     return refusal(place, f" {lacks}: {said}" + "".join(hints[:3]))

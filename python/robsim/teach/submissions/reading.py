@@ -1,4 +1,4 @@
-"""Reading a submission: a folder, a Python file, a zip, a notebook; nothing of it is run."""
+"""Reading a submission (a folder, a Python file, a zip, a notebook) without running its code."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _TAKEN = "hand in a folder, a Python file (.py), a notebook (.ipynb) or a zip of
 def read_submission(
     path: str | PathLike[str], rules: Rules, given: Mapping[str, bytes] | None = None
 ) -> SubmissionFiles:
-    """Return a submission, without a run of it.
+    """Return a submission without running it.
 
     The path is a folder with a file for each slot, such as ``control.py``, and helper modules; or a
     Python file or notebook that defines them; or a zip of these, or a folder with such a zip. Given
@@ -57,11 +57,11 @@ def read_submission(
 
 @dataclass(frozen=True)
 class Contents:
-    """The files of a submission by their paths in it; which of them count is not known yet."""
+    """The files of a submission by their paths in it, before the choice of those that count."""
 
     name: str  # the name of its folder or file
     files: dict[str, bytes]
-    #: Whether a Python file or a notebook was handed in, and no folder or zip.
+    #: Whether a Python file or a notebook was submitted, not a folder or zip.
     is_one_file: bool = False
     #: A cache: the files that count, by rules and by copies of given files in the submission.
     found: dict[tuple[Rules, frozenset[str]], SubmissionFiles] = field(
@@ -69,7 +69,7 @@ class Contents:
     )
 
     def written_to(self, folder: Path) -> Path:
-        """Write them into a new folder, and return the path of the submission in it."""
+        """Write the files into a new folder, and return the path of the submission in it."""
         top = folder if self.is_one_file else folder / re.sub(r"[^\w ()-]", "_", self.name)
         top.mkdir(parents=True)
         for path, content in self.files.items():
@@ -170,7 +170,7 @@ def _arranged(
 
 
 def _below_the_top(files: dict[str, bytes]) -> dict[str, bytes]:
-    """Return the files without the one folder, or the folders, that all of them lie in."""
+    """Return the files without the folder or folders that contain all of them."""
     while (
         files and len({path.partition("/")[0] for path in files}) == 1 and "/" in next(iter(files))
     ):
@@ -205,7 +205,7 @@ def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFi
     _check_spelling(name, files, used, slots, rules)
     _check_helpers(name, files)
     notes = [
-        f"{path} is not used: the assignment has no such slot"
+        f"{path} is not used: the assignment does not have this slot"
         for slot, path in of_slots.items()
         if slot not in rules.names
     ]
@@ -229,24 +229,24 @@ def _imported_files(files: dict[str, bytes], rules: Rules) -> set[str]:
 def _check_spelling(
     name: str, files: dict[str, bytes], used: set[str], slots: tuple[str, ...], rules: Rules
 ) -> None:
-    """Refuse a file whose name resembles that of a slot that would stay empty."""
+    """Refuse a file whose name resembles the name of an empty slot."""
     stems = [PurePosixPath(path).stem for path in _modules(files)]
     for stem, slot in misspelled(stems).items():
         if slot in rules.slots and slot not in slots and f"{stem}.py" not in used:
-            said = f"is named after no slot: rename it to {slot}.py, or remove it"
+            said = f"matches no slot: rename it to {slot}.py, or remove it"
             raise refusal_in(name, f"{stem}.py", said)
 
 
 def _check_helpers(name: str, files: dict[str, bytes]) -> None:
-    """Refuse helper modules that would not be found, or would not be meant."""
+    """Refuse helper modules that Python would not find or would confuse."""
     sources = {PurePosixPath(path).stem: content for path, content in _modules(files).items()}
-    if reserved_names(sources):  # of files that have been compiled, or are not imported
+    if reserved_names(sources):  # of compiled files, or of files without an import
         for stem in taken_names(sources, imported_names(sources)):
             raise refusal_in(name, f"{stem}.py", TAKEN)
     words = set().union(*map(imported_words, sources.values()))
     folders = {path.partition("/")[0] for path in files if "/" in path and path.endswith(".py")}
     for folder in sorted(folders & words):
-        said = "is a folder of modules, which cannot be imported: put its files beside the others"
+        said = "is a folder of modules, which cannot be imported: move its files to the others"
         raise refusal_in(name, folder, said)
 
 

@@ -1,4 +1,4 @@
-"""What a submission may fill, import and weigh."""
+"""The slots, imports and sizes that a submission may have."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _MODULE = re.compile(r"[A-Za-z_]\w{0,60}(\.[A-Za-z_]\w{0,60}){0,9}")
 
 @dataclass(frozen=True, kw_only=True)
 class Rules:
-    """What a submission may fill, import and weigh; plain values, which go to the worker, too.
+    """The slots, imports and sizes that a submission may have; plain values, also for the worker.
 
     A wrong value raises TypeError or ValueError with its name.
     """
 
     slots: tuple[str, ...] = tuple(SLOTS)
     functions: tuple[str, ...] = ()  # in addition; a slot or function is required
-    imports: tuple[str, ...] | None = None  # top-level modules beside its own; None = all
+    imports: tuple[str, ...] | None = None  # top-level modules besides its own; None = all
     #: Modules, or names in them, such as ``"robsim.estimation.reference"``, ``"robsim.locate"``.
     masked: tuple[str, ...] = ()
     defaults: bool = False
@@ -55,7 +55,7 @@ class Rules:
         check_int("file_size", self.file_size, minimum=1, maximum=2**27)
         check_int("ratio", self.ratio, minimum=1, maximum=10_000)
         if not self.names:
-            raise ValueError("slots or functions must name what a submission may have, got none")
+            raise ValueError("slots or functions must name at least one, got no name")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -68,7 +68,7 @@ def _functions(functions: Any) -> tuple[str, ...]:
     names = (functions,) if isinstance(functions, str) else tuple(functions)
     for name in names:
         if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
-            raise ValueError(f"functions must have names of functions, got {quoted(name)}")
+            raise ValueError(f"functions must be names of functions, got {quoted(name)}")
         if name.startswith("_") or reserved_names([name]):
             raise ValueError(f"functions must not have {name}: a module may have this name")
         if name in SLOTS:
@@ -79,7 +79,7 @@ def _functions(functions: Any) -> tuple[str, ...]:
 
 
 def _check_there(name: str) -> None:
-    """Raise ValueError for a name of robsim's that there is not: it would mask nothing."""
+    """Raise ValueError for an unknown name of robsim: it would mask nothing."""
     package, _, last = name.rpartition(".")
     if name.partition(".")[0] != "robsim" or not package:
         return
@@ -87,10 +87,10 @@ def _check_there(name: str) -> None:
         if find_spec(name) is not None:
             return
         known = dir(import_module(package))
-    except ImportError:  # of what lies above it
+    except ImportError:  # of its parent package
         known = []
     if last not in known:
-        raise ValueError(f"masked: there is no {name}{suggestion(last, known)}")
+        raise ValueError(f"masked: unknown name {name}{suggestion(last, known)}")
 
 
 def _modules(name: str, modules: Any) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The code cells of a notebook, out of its JSON, and their Python statements."""
+"""The code cells of a notebook, from its JSON, and their Python statements."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from robsim.teach.submissions.folder import size_text
 from robsim.teach.submissions.names import refusal
 from robsim.teach.submissions.python_text import check_extent, compiled
 
-#: The tags of cells that go in whole, and of cells that never count.
+#: The tags of cells that count as a whole, and of cells that never count.
 WHOLE, SKIP = "robsim", "robsim-skip"
 #: Flags for `compile`: a notebook may await outside of functions.
 AWAIT = ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
 _MOST_CELLS = 1000
 _MOST_BRACKETS = 200_000  # 100 bytes of memory each
-_MOST_PARSED = 2**23  # characters: each command is found by another parse of its cell
+_MOST_PARSED = 2**23  # characters: each command needs another parse of its cell
 _MOST_STATEMENTS = 5000
 _LONGEST_LINE = 50  # characters, in a message
 _UNREADABLE = re.compile("[\0\ud800-\udfff]")  # null characters, and halves of characters
@@ -34,21 +34,21 @@ _COMMAND = re.compile(r"(\s*)(?:[%!?]|[\w.]+\s*(?:,\s*[\w.]+\s*)*=\s*[%!]|.*\?\s
 class Cell:
     """A code cell."""
 
-    #: Its name in messages and tracebacks: ``"s003.ipynb, cell 5"``; all cells count, from 1.
+    #: Its name in messages and tracebacks: ``"s003.ipynb, cell 5"``; numbers include all cells.
     place: str
     number: int
     source: str  # its code
     tag: str  # `WHOLE`, `SKIP` or empty
 
     def told(self, line: int) -> str:
-        """Return a line of it in a message: ``"cell 5, line 2 (K = 3)"``."""
+        """Return a line of the cell for a message: ``"cell 5, line 2 (K = 3)"``."""
         text = self.source.split("\n")[line - 1].strip()
         shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
         return f"cell {self.number}, line {line} ({one_line(shown)})"
 
     @property
     def command(self) -> str:
-        """The line in a message that makes something else of the cell, or an empty text."""
+        """The line that turns the cell into a command, for a message, or an empty text."""
         found = _OTHER_LANGUAGE.match(self.source)
         return self.told(found[0].count("\n") + 1) if found else ""
 
@@ -81,14 +81,14 @@ def _parsed(content: bytes, file: str) -> dict[str, Any]:
     try:
         text = content.decode("utf-8-sig")
         if text.count("[") + text.count("{") > _MOST_BRACKETS:
-            raise refusal(file, " is too involved: clear its outputs")
+            raise refusal(file, " is too complex: clear its outputs")
         notebook = json.loads(text)
     except (ValueError, RecursionError, MemoryError):
         said = " is not a notebook: it is no JSON text; save it in Jupyter again"
         raise refusal(file, said) from None
     number = notebook.get("nbformat") if isinstance(notebook, dict) else None
     if type(number) is not int or number != 4:
-        said = f"{quoted(number)}, and 4 is read: open it in Jupyter and save it again"
+        said = f"{quoted(number)}, but only 4 is supported: open it in Jupyter and save it again"
         raise refusal(file, f" is a notebook of format {said}")
     language = _inner(_inner(notebook, "metadata"), "kernelspec").get("language", "python")
     if str(language)[:9].lower() not in ("python", "ipython", ""):

@@ -1,4 +1,4 @@
-"""Which statements of a notebook count: what its slots need, and cells with the tag."""
+"""The statements of a notebook that count: those that its slots need, and cells with the tag."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RUNS = frozenset(
         *("system", "play", "panel", "get_ipython", "subplots", "figure", "show", "plot"),
     }
 )
-#: What counts, for people.
+#: The rules for people.
 COUNTS = """\
 The grader takes these parts of a notebook, if a slot needs them:
 
@@ -40,7 +40,7 @@ _RULE = "definitions, imports and assignments count, unless they run, draw or wa
 _TAG = "tag the cell that counts with robsim (or begin it with the line # robsim:)"
 _OF_JUPYTER = ("display", "get_ipython", "In", "Out")
 _MOST_TOLD = 4  # names of a chain, statements
-_SLOT = "slot "  # no name begins so
+_SLOT = "slot "  # the prefix of no name
 
 
 class Notebook(NamedTuple):
@@ -54,7 +54,7 @@ class Notebook(NamedTuple):
 
 
 def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:
-    """Choose the statements of a notebook that count, without a run of them.
+    """Choose the statements of a notebook that count, without running them.
 
     Raise SubmissionError for an invalid notebook or cell, a slot with two values, no filled slot,
     or a needed name without a value.
@@ -71,7 +71,7 @@ def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:
             return alone
         return _Choice(cells, file, slots).notebook()
     except SubmissionError as error:
-        if alone:  # then the other cells may be anything
+        if alone:  # then the other cells do not matter
             return alone._replace(notes=(*alone.notes, f"{error}"))
         raise
     except RecursionError:
@@ -92,7 +92,7 @@ class _Choice:
                 waiting += each.binds if each.is_function else ()
 
     def _by_name(self, attribute: str) -> dict[str, list[Statement]]:
-        """Return the statements of each name: with the tag, if such a cell gives it its value."""
+        """Return the statements of each name; cells with the tag take precedence."""
         tagged = {name for each in self.all if each.cell.tag for name in each.binds}
         found = defaultdict[str, list[Statement]](list)
         for each in self.all:
@@ -118,7 +118,7 @@ class _Choice:
         return Notebook(slots, parts, unknown, tuple(notes))
 
     def _values(self) -> list[Fill]:
-        """Return one value of each slot that has one; raise SubmissionError where there are two."""
+        """Return one value of each filled slot; raise SubmissionError if a slot has two."""
         values = []
         for slot in self.slots:
             found = [each for each in self.all if isinstance(each, Fill) and each.slot == slot]
@@ -134,7 +134,7 @@ class _Choice:
         return values
 
     def _origins(self, fill: Fill) -> dict[object, Statement]:
-        """Return where a value comes from; two values from the same place are the same."""
+        """Return the origins of a value; two values with the same origins are the same."""
         if fill.definition:
             return {fill.definition: fill.definition}
         is_call = isinstance(fill.value, ast.Call)
@@ -145,7 +145,7 @@ class _Choice:
         return {ast.dump(fill.value): fill}
 
     def _kept(self, values: list[Fill]) -> set[Statement]:
-        """Return the statements for values and those with the tag; refuse values by a run."""
+        """Return the statements for values and those with the tag; refuse values from a run."""
         whole = [e for e in self.all if (e.is_star or e.cell.tag) and not isinstance(e, Fill)]
         waiting: list[tuple[Statement, str]] = [(e, f"cell {e.cell.number}") for e in whole]
         waiting += [(each, f"{_SLOT}{each.slot}") for each in values]

@@ -44,20 +44,20 @@ class Statement:
         self.fills = False  # a slot
         self.loops = any(isinstance(each, ast.While) for each in top)
         self.awaits = bool(self.code.co_flags & CO_COROUTINE)
-        #: Global names with a new value, those with a changed value, too, and those of functions.
+        #: Global names with a new value, then also with a changed value, and names of functions.
         self.binds = _names(self.code, "STORE_NAME", "STORE_GLOBAL")
         self.touches = self.binds.union(map(_changed, top))
         self.sets = {name for code in codes[1:] for name in _names(code, "STORE_GLOBAL")}
-        #: The global names that it or a function in it looks up.
+        #: The global names that the statement or a function in it looks up.
         self.needs = _names(self.code, *_LOADS)
-        if isinstance(node, ast.For):  # its own variable, whatever has the name elsewhere
+        if isinstance(node, ast.For):  # its own variable, also if other code uses the name
             self.needs -= {one.id for one in ast.walk(node.target) if isinstance(one, ast.Name)}
         for code in codes[1:]:
             self.needs |= _names(code, *_LOADS) - _names(code, "STORE_NAME")  # of a class
-        #: All names that a run of it, or of its function, reaches; of attributes, too.
+        #: All names that a run of the statement or its function reaches, with attributes.
         made = [c for c in codes if not isinstance(node, ast.ClassDef) or c.co_name in _WITH_CLASS]
         self.mentions = {name for code in made for name in code.co_names}
-        #: The variable whose method it calls, and nothing else.
+        #: The variable whose method the statement calls without any other effect.
         self.called = ""
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
             self.called = _root(node.value.func) if hasattr(node.value.func, "attr") else ""
@@ -81,7 +81,7 @@ class Fill(Statement):
 
 
 def statements_of(cells: list[Cell], file: str, slots: tuple[str, ...]) -> Iterator[Statement]:
-    """Yield the statements of cells, each with its values for slots behind it."""
+    """Yield the statements of cells, each followed by its values for slots."""
     flags = 0
     for cell, node in parsed(cells, file):
         if _is_check(node):
@@ -109,7 +109,7 @@ def _is_check(node: ast.stmt) -> bool:
 
 
 def _values(node: ast.stmt) -> Iterator[tuple[str, ast.expr, str]]:
-    """Yield the values that slots get; take ``@sim.SLOT`` and ``sim.SLOT =`` off the statement."""
+    """Yield the values of slots; remove ``@sim.SLOT`` and ``sim.SLOT =`` from the statement."""
     if isinstance(node, _NAMED):
         slots = [slot for one in node.decorator_list if (slot := _slot(one))]
         node.decorator_list = [one for one in node.decorator_list if not _slot(one)]
@@ -154,7 +154,7 @@ def _names(code: CodeType, *kinds: str) -> set[str]:
 
 
 def _at_the_top(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield a node and its inner nodes that run at the same time: nothing of a function's body."""
+    """Yield a node and its inner nodes that run at the same time, without bodies of functions."""
     waiting = [node]
     while waiting:
         yield (each := waiting.pop())
