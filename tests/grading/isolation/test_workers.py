@@ -34,9 +34,9 @@ def test_how_a_worker_ended_is_said_in_words(ended):
     for source, text in (
         ("raise SystemExit(3)", "its process exited (exit code 3)"),
         ("import os; os._exit(0)", "its process exited (exit code 0)"),
-        ("import os; os._exit(70)", "its process ended"),
+        ("import os; os._exit(70)", "its process exited"),
         ("import os; os._exit(71)", "(exit code 71)"),
-        ("import builtins\nbuiltins.isinstance = lambda *a: True\n1 / 0", "its process ended"),
+        ("import builtins\nbuiltins.isinstance = lambda *a: True\n1 / 0", "its process exited"),
         ("1 / 0", "its process exited (exit code 1)"),
         ("import ctypes; ctypes.string_at(0)", "its process was ended by signal SIGSEGV"),
         ("bytearray(2 << 30)", "more than 1 GiB of memory"),

@@ -85,7 +85,7 @@ return Ends()
     result(
         "a kind that there is not",
         "says on the wire that there are objects",
-        says="unknown (message )?type",
+        says="unknown type",
     )("body[4] = 9"),
     result(
         "no numbers of an endless shape",

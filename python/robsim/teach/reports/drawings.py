@@ -1,4 +1,4 @@
-"""Drawings in pages: places of paths on a floor, of points of a class, of a score in its limits."""
+"""Drawings in pages: paths on a floor, histograms of points, a score in its limits."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def counts_of(points: Sequence[float], most: float) -> list[int]:
     return [*counts.tolist()]
 
 
-_EDGE = 1.15  # room beside the outermost of what is shown, a factor
-_WIDEST = 100.0  # what is so many times beyond the limits stands at the edge
+_EDGE = 1.15  # a factor: room around the outermost element
+_WIDEST = 100.0  # a factor: elements farther beyond the limits are drawn at the edge
 _ZONES = ("none", "some rising", "all", "some", "none")
 
 

@@ -1,4 +1,4 @@
-"""Results for Gradescope: its ``results.json``, as its specification says."""
+"""Results for Gradescope: its ``results.json``, by its specification."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from robsim.teach.reports.student_text import for_student
 from robsim.teach.results import ERROR, NOT_RUN, PASSED, SubmissionResult, TestResult, of_most
 from robsim.teach.texts import clean_line, clean_text
 
-#: When hidden tests can be shown there. One that is never shown would hide the total for good.
+#: When Gradescope can show hidden tests. A test that is never shown would hide the total forever.
 VISIBILITIES = ("after_published", "after_due_date", "visible")
-#: Bytes of a picture, and of all of them, as they stand in the file.
+#: Maximum size of a picture, and of all of them, in the file (bytes).
 MOST_PICTURE, MOST_PICTURES = 200 * 2**10, 2 * 2**20
 
 
@@ -34,15 +34,15 @@ def gradescope(
 
     Pictures are PNG files by test; small ones of public tests are shown. `hidden`, one of
     `VISIBILITIES`, is when points and sentences of hidden tests are shown. Until then Gradescope
-    shows no total. `leaderboard`, as of an `Assignment`, names a score of a public test, which is
-    shown to all if no run failed, relative to the reference. Source:
+    shows no total. `leaderboard`, see `Assignment`, names a score of a public test. If no run
+    failed, all students see the score, relative to the reference. Source:
     https://gradescope-autograders.readthedocs.io/en/latest/specs/
     """
     check_choice("hidden", hidden, VISIBILITIES)
     theirs = for_student(result)
     shown = _shown(theirs, pictures or {})
     tests = [_test(test, shown.get(test.name), hidden) for test in theirs.tests]
-    if said := words.by_hand(theirs):  # which tells the points of hidden tests
+    if said := words.by_hand(theirs):  # which reveals the points of hidden tests
         when = "visible" if all(test.public for test in theirs.tests) else hidden
         text = {"output": clean_text("\n".join(said)), "output_format": "text"}
         tests.append({"name": "By hand", **text, "visibility": when})
@@ -51,7 +51,7 @@ def gradescope(
         "score": theirs.points,
         "execution_time": round(theirs.seconds, 3),
         "output": _output(theirs),
-        # The default there is HTML.
+        # Gradescope's default is HTML.
         "output_format": "text",
         "test_output_format": "html",
         "test_name_format": "text",
@@ -88,14 +88,14 @@ def write_gradescope(
     hidden: str = "after_published",
     leaderboard: str = "",
 ) -> None:
-    """Write `gradescope` to a file, whole or not at all; raise OSError if that fails."""
+    """Write `gradescope` to a file atomically; raise OSError if writing fails."""
     content = gradescope(result, pictures=pictures, hidden=hidden, leaderboard=leaderboard)
     text = json.dumps(content, indent=1, allow_nan=False)
     write_whole(as_path(path), f"{text}\n".encode("ascii"))
 
 
 def _shown(result: SubmissionResult, pictures: Mapping[str, bytes]) -> dict[str, str]:
-    """Return the addresses of the pictures that there is room for, by test."""
+    """Return the addresses of the pictures that fit, by test."""
     shown: dict[str, str] = {}
     left = MOST_PICTURES
     for test in result.tests:

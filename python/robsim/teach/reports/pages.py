@@ -1,4 +1,4 @@
-"""Pages by the templates beside this module: each text in a template is cleaned and escaped."""
+"""Pages from the templates next to this module, which cleans and escapes each text."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Paths = Mapping[str, Mapping[str, Floats]]
 
 @cache
 def _environment() -> Environment:
-    import jinja2  # here, since only pages need it
+    import jinja2  # here, because only pages need it
 
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader(__package__),
@@ -45,7 +45,7 @@ def _environment() -> Environment:
 
 
 def _harmless(value: object) -> object:
-    """Return a value as harmless text, to be escaped; markup is only from here and templates."""
+    """Return a value as harmless text, to be escaped; markup comes only from here and templates."""
     is_harmless = isinstance(value, (int, float)) or hasattr(value, "__html__")
     return value if is_harmless else clean_text(str(value), 2**20)
 

@@ -1,4 +1,4 @@
-"""Programs that are alike, or resemble each other, and in which part."""
+"""Equal and similar programs, and their common parts."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _KEYWORDS = frozenset(keyword.kwlist)
 def tokens_of(source: str) -> Iterator[tuple[str, int, bool]]:
     """Yield the kind of each token, its first line, from 1, and whether it starts that line.
 
-    Names are all one, but for those of others' modules and values, such as ``inv`` in
+    All names are the same kind, except names from modules and other values, such as ``inv`` in
     ``np.linalg.inv``; so are numbers and texts. Comments and imports are left out.
     """
     line, counted = 1, 0
@@ -59,7 +59,7 @@ def tokens_of(source: str) -> Iterator[tuple[str, int, bool]]:
         before = (before[1], text)
 
 
-RUN = 16  # tokens that are compared as one, some two lines
+RUN = 16  # tokens that are compared as a unit, some two lines
 _MOST_TOKENS = 100_000  # of a submission; the rest is not compared
 
 
@@ -88,7 +88,7 @@ class Program:
     def read(self) -> tuple[dict[int, bool], list[tuple[int, Place]], bool]:
         """Hashes: of statements at the top, and which are definitions; of runs, and where.
 
-        The last value is true of a program that was cut.
+        The last value is true for a program that was cut.
         """
         statements, runs = {}, []
         left = _MOST_TOKENS
@@ -126,20 +126,20 @@ def program_of(sources: Mapping[str, bytes]) -> Program:
 
 _LEAST_SHARE, _LEAST_RUNS = 0.45, 24  # these are some five lines
 _MOST_PAIRS, _MOST_PASSAGES, _MOST_LINES = 50, 3, 40
-_NEAR = 3  # lines between parts that are one passage
+_NEAR = 3  # lines between parts of one passage
 # Text of more programs than that, and than a quarter of them, is common.
 _FEW_STUDENTS, _FEW_OTHERS = 10, 50
 
 
-EARLIER_YEAR = "earlier: "  # begins the name of a submission of an earlier year
+EARLIER_YEAR = "earlier: "  # prefix of a submission of an earlier year
 
 
 @dataclass(frozen=True)
 class Group:
-    """Programs with the same functions and classes, but for names, numbers, comments, layout."""
+    """Programs with the same functions and classes, except names, numbers, comments, layout."""
 
-    names: Sequence[str]  # students, then what else was compared
-    lines: int  # of the first that were not given
+    names: Sequence[str]  # students, then other programs
+    lines: int  # of the first, without given text
 
 
 @dataclass(frozen=True)
@@ -154,16 +154,16 @@ class Passage:
 
 @dataclass(frozen=True)
 class SimilarPair:
-    """Two programs that resemble each other, each the first of its group."""
+    """Two similar programs, each the first of its group."""
 
     first: str  # a student
     second: str
     #: The part of each program that the other has, too, 0 to 1, without given and common text.
     share_of_first: float
     share_of_second: float
-    lines: int  # how many lines of the first that is
+    lines: int  # number of these lines in the first
     common_lines: int  # lines of the first that were left out, because many have them
-    #: The longest parts in common, of the first and of the second.
+    #: The longest common parts, in the first and in the second.
     passages: Sequence[tuple[Passage, Passage]]
 
 
@@ -178,7 +178,7 @@ class Comparison:
     too_long: Sequence[str]
 
     def renamed(self, pseudonym: Callable[[str], str]) -> Comparison:
-        """Return it with other names of students, and without text."""
+        """Return a copy with other names of students, and without text."""
 
         def name(old: str) -> str:
             year = EARLIER_YEAR if old.startswith(EARLIER_YEAR) else ""
@@ -201,7 +201,7 @@ class Comparison:
 
 
 def read_comparison(file: Path) -> Comparison | None:
-    """Return the comparison in a file, or None if there is no such file."""
+    """Return the comparison in a file, or None without a file."""
     try:
         data = json.loads(file.read_bytes())
         groups = [Group(**one) for one in data["groups"]]
@@ -220,8 +220,8 @@ def compared(
 ) -> Comparison:
     """Compare the programs of students with each other and with others, without given text.
 
-    Pairs are of the first programs of groups, so many copies do not become common text. Of the
-    pairs of a student with others only the most similar one is kept.
+    Pairs have the first programs of groups, so many copies do not become common text. Of a
+    student's pairs with others only the most similar one is kept.
     """
     every = dict(sorted(programs.items())) | dict(others)
     known = [program.read for program in given]
@@ -262,7 +262,7 @@ def compared(
 
 
 def _groups(programs: Mapping[str, Program], given: Collection[int]) -> dict[str, list[str]]:
-    """Return the names of alike programs by the first one, without programs of given text alone."""
+    """Return the names of equal programs by the first one, without programs of only given text."""
     groups: defaultdict[tuple[int, ...], list[str]] = defaultdict(list)
     for name, program in programs.items():
         own = {key: defines for key, defines in program.read[0].items() if key not in given}
@@ -293,7 +293,7 @@ def _common(
 def _passages(
     first: Program, second: Program, runs: Collection[int]
 ) -> list[tuple[Passage, Passage]]:
-    """Return the longest parts in common."""
+    """Return the longest common parts."""
     places = dict(reversed(second.read[1]))
     parts: list[tuple[Place, Place]] = []
     for left, right in ((place, places[run]) for run, place in first.read[1] if run in runs):

@@ -1,4 +1,4 @@
-"""A student's page as lines of text, and the share of a result that students see."""
+"""A student's page as lines of text, and the students' part of a result."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from robsim.teach.results import ERROR, SubmissionResult, TestResult, of_most
 from robsim.teach.texts import clean_line, clean_text
 
 _WIDTH = 88
-_MOST_LINES, _LONGEST = 20, 200  # of what was printed
+_MOST_LINES, _LONGEST = 20, 200  # of the printed output
 
 
 def student_text(result: SubmissionResult) -> str:
-    """Return the result as text: what is in it is said. For students: `for_student`."""
+    """Return the whole result as text. For students, pass `for_student` of it."""
     points = of_most(result.points, result.most)
     lines = [clean_line(result.title), f"{clean_line(words.who(result))}: {points}"]
     if not result.is_done:
@@ -68,15 +68,15 @@ def _wrapped(text: str, start: str, indent: str) -> list[str]:
 
 
 def for_student(result: SubmissionResult) -> SubmissionResult:
-    """Return what students may see: of hidden tests nothing but title, points and sentence.
+    """Return the students' part of a result: of hidden tests only title, points and sentence.
 
-    The isolation and the command of grading are of use to the teacher alone.
+    Isolation and command of the grading are useful only for the teacher.
     """
     tests = tuple(t if t.public else _hidden(t) for t in result.tests)
     return replace(result, tests=tests, isolation="", command="")
 
 
-#: What students see of a hidden test.
+#: The attributes of a hidden test that students see.
 _THEIRS = ("name", "title", "number", "points", "most", "provisional", "status", "sentence")
 
 

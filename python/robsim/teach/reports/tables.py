@@ -1,4 +1,4 @@
-"""The marks of a class as a table, with the columns that learning platforms take."""
+"""The marks of a class as a table, with the columns of learning platforms."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ _MOST_FEEDBACK = 1000  # characters
 def marks_table(
     results: Sequence[SubmissionResult], *, columns: str = "robsim", title: str | None = None
 ) -> str:
-    """Return the points of a class as CSV, all of it quoted, without formulas.
+    """Return the points of a class as CSV, quoted and without formulas.
 
-    The columns are one of these, else ValueError:
+    The columns are one of these; other values raise ValueError:
 
     - ``"robsim"``: student, points, most, percent, the points of each test, notes.
-    - ``"moodle"``: those of a grading worksheet of an assignment (offline grading), which the
-      import of grades takes, too: Identifier, Full name, Grade, Maximum grade, Last modified
+    - ``"moodle"``: the columns of a grading worksheet of an assignment (offline grading), also
+      accepted by the import of grades: Identifier, Full name, Grade, Maximum grade, Last modified
       (grade), Feedback comments, for a site in English. In the dialog, allow updating records
       that have been modified.
     - ``"canvas"``: Student, ID, SIS User ID, SIS Login ID, Section, and the points.
     - ``"blackboard"``: Username, and the points.
 
-    Folders and files from these platforms have names and numbers of students, which go into the
+    Folders and files from these platforms have names and numbers of students, which fill the
     right columns. Other names count as login names. Each member of a group has a row. `title` is
     the heading of the points for Canvas and Blackboard, such as ``"Homework 3 (1234)"``. Its
     default is the title of the assignment.
@@ -100,7 +100,7 @@ def _for_blackboard(results: Sequence[SubmissionResult], title: str) -> _Rows:
 
 def _feedback(result: SubmissionResult) -> Iterator[str]:
     yield from (*words.by_hand(result), *words.provisional(result))
-    told = set()  # of a submission that cannot be read all tests say the same
+    told = set()  # all tests of an unreadable submission have the same sentence
     for test in result.tests:
         yield f"{words.test_title(test)}: {words.result_text(test)}."
         if test.sentence and test.points < test.most and test.sentence not in told:

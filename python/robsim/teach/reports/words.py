@@ -1,4 +1,4 @@
-"""What reports say of tests, scores and runs, in words."""
+"""The words of reports on tests, scores and runs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from robsim.teach.results import (
     of_most,
 )
 
-#: What a status is called, and a sign for it, since not everybody sees its colour.
+#: The name of a status, and a sign for readers who do not see its colour.
 STATUS = {
     PASSED: ("passed", "✓"),
     PARTIAL: ("partly", "◐"),
@@ -43,8 +43,8 @@ def status(test: TestResult) -> tuple[str, str]:
     return STATUS[test.status]
 
 
-#: How platforms name their downloads. After `student` comes the name that the student has given to
-#: the file, which may look like another student's: the first match counts.
+#: The names of platforms' downloads. After `student` comes the student's own name for the
+#: file, which may look like another student's: the first match counts.
 OF_MOODLE, OF_CANVAS, OF_BLACKBOARD = (
     re.compile(pattern, re.DOTALL)
     for pattern in (
@@ -56,16 +56,16 @@ OF_MOODLE, OF_CANVAS, OF_BLACKBOARD = (
     )
 )
 
-FINDING = "What robsim check finds"
+FINDING = "Finding of robsim check"
 OUTPUT = "The submission printed"
-REPEAT = "To repeat it, in the folder of the assignment"
+REPEAT = "Command to repeat it, in the folder of the assignment"
 
 PROVISIONAL = "The limits are provisional: points may change when the exact ones are known."
 
 HINT = (
-    "A hint, and no proof: short programs for the same exercise resemble each other. Names, "
+    "A hint, not a proof: short programs for the same exercise resemble each other. Names, "
     "numbers, comments, spaces and the order of functions are not compared, and given text does "
-    "not count. Read both before you talk to anybody."
+    "not count. Read both programs before you talk to a student."
 )
 
 
@@ -76,7 +76,7 @@ def left_out(found: Comparison) -> str:
 
 
 def alike(names: Sequence[str]) -> str:
-    """Return the names of a group, and of several solutions the first."""
+    """Return the names of a group; of several solutions only the first, with their number."""
     solutions = [name for name in names if "solution " in name and "/" in name]
     shown = [person(name) for name in names if name not in solutions[1:]]
     more = len(solutions) - 1
@@ -101,8 +101,8 @@ def test_title(test: TestResult) -> str:
 
 
 def notes(result: SubmissionResult) -> list[str]:
-    """Return what is to be said of the submission as a whole."""
-    start = "It could not be read, and nothing of it was run. " if result.is_unread else ""
+    """Return the notes on the submission as a whole."""
+    start = "The submission is unreadable, so nothing of it ran. " if result.is_unread else ""
     own = (f"{start}{note}" for note in result.notes)
     return [*by_hand(result), *own, *provisional(result)]
 
@@ -112,7 +112,7 @@ def provisional(result: SubmissionResult) -> list[str]:
 
 
 def by_hand(result: SubmissionResult) -> list[str]:
-    """Return why the points differ from the tests' points, in a sentence for each reason."""
+    """Return the reasons why the points differ from the tests' points, one sentence each."""
     hand, told = result.by_hand, []
     if hand.points is not None:
         of_tests = number(result.points_of_tests)
@@ -124,18 +124,18 @@ def by_hand(result: SubmissionResult) -> list[str]:
 
 
 def sentence(result: SubmissionResult, test: TestResult) -> str:
-    """Return what is to be said of a test, if `notes` do not say it of all."""
+    """Return the sentence on a test, unless `notes` has it for all tests."""
     return "" if result.is_unread else test.sentence
 
 
 def waiting(result: SubmissionResult) -> list[TestResult]:
-    """Return the tests that are still to be run."""
+    """Return the tests that have not run yet."""
     tests = (test for test in result.tests if not test.by_hand)
     return [test for test in tests if test.status == NOT_RUN]
 
 
 def blame(test: TestResult) -> str:
-    """Return what is to be said where it was not the submission that failed."""
+    """Return a sentence if the submission did not cause a failure."""
     if test.status != ERROR or (whose := test.whose or "grader") == "submission":
         return ""
     return f"The {whose} failed here, not your submission: tell your teacher."
@@ -155,11 +155,11 @@ def score_line(score: ScoreResult, most: float) -> str:
 
 
 def needed(score: ScoreResult) -> str:
-    """Return what all points need; "" = they are there, or no run came through."""
+    """Return the condition for all points; "" = met, or all runs failed."""
     if not (math.isfinite(score.statistic) and score.statistic > 0):
         return ""
     if score.is_met:
-        met = "It is within its limits: points are lost by the score that multiplies it."
+        met = "It is within its limits: the score that multiplies it loses the points."
         return met if score.fraction < 1 else ""
     if score.low is not None and score.statistic < score.low:
         return f"All points need {_ratio(score.low / score.statistic)} times as much."
@@ -190,7 +190,7 @@ def _right(lost: float) -> float:
 
 
 def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]]:
-    """Return the runs that came through: place on the axis of the statistic, number, value.
+    """Return the completed runs: place on the axis of the statistic, number, value.
 
     The worst run is the last.
     """
@@ -241,7 +241,7 @@ def points_text(score: ScoreResult, most: float) -> str:
 
 def _came_to(score: ScoreResult) -> str:
     if math.isnan(score.statistic):
-        return "no run came through"
+        return "all runs failed"
     if score.low is not None:
         return f"{_ratio(score.statistic)}, where 1 is right"
     if not score.share:
@@ -251,9 +251,9 @@ def _came_to(score: ScoreResult) -> str:
 
 def _limits(score: ScoreResult) -> str:
     if score.low is None or score.low_zero is None:
-        return f"all points up to {_ratio(score.limit)}, none from {_ratio(score.zero)} on"
+        return f"all points up to {_ratio(score.limit)}, no points from {_ratio(score.zero)} on"
     return (
-        f"all points from {_ratio(score.low)} to {_ratio(score.limit)}, none below "
+        f"all points from {_ratio(score.low)} to {_ratio(score.limit)}, no points below "
         f"{_ratio(score.low_zero)} and above {_ratio(score.zero)}"
     )
 
@@ -273,7 +273,7 @@ def failed_texts(test: TestResult) -> list[str]:
 
 
 def _reason(run: FailedRun) -> str:
-    """Return what came, after its place, unless that is in it already."""
+    """Return the reason, with its place unless the reason has it already."""
     file = run.file
     if file is not None and run.line is not None:
         file = f"{file}, line {run.line}"
@@ -288,8 +288,8 @@ def _reason(run: FailedRun) -> str:
 def caption_text(test: TestResult) -> str:
     if test.picture is None and test.failed:
         if test.worst is None:
-            return "There is no picture: no run began."
-        return f"There is no picture: run {test.worst} failed in its first step."
+            return "No picture: no run began."
+        return f"No picture: run {test.worst} failed in its first step."
     if test.worst is None:
         return test.caption
     which = "until it failed" if test.worst in {run.run for run in test.failed} else "the worst"
@@ -301,12 +301,12 @@ def has_numbers(test: TestResult) -> bool:
 
 
 def boxes(test: TestResult) -> Iterator[tuple[str, str | list[str]]]:
-    """Yield what helps to find a mistake: a heading, and a text or a list below it."""
+    """Yield help for finding a mistake: a heading, and a text or a list below it."""
     if test.finding:
         yield FINDING, test.finding
     if test.failed:
-        failed = f"{len(test.failed)} of {test.runs} runs did not come through"
-        yield f"{failed}: each takes its part of the points", failed_texts(test)
+        failed = f"{len(test.failed)} of {test.runs} runs failed"
+        yield f"{failed}: each loses its part of the points", failed_texts(test)
     if output := test.output.rstrip():
         yield OUTPUT, output
 
@@ -322,7 +322,7 @@ def play_command(result: SubmissionResult, test: TestResult) -> str:
 
 
 def grade_command(assignment: Path, submission: str, out: Path, student: str) -> str:
-    """Return the command that grades a submission; its paths lead from here, or are absolute."""
+    """Return the command that grades a submission, with paths from here, or absolute ones."""
     here, places = Path.cwd(), [Path(os.path.abspath(one)) for one in (assignment, submission, out)]
     given, handed, folder = (
         str(place.relative_to(here) if place.is_relative_to(here) else place) for place in places
@@ -335,12 +335,12 @@ def isolation_text(result: SubmissionResult) -> str:
 
 
 def not_graded(result: SubmissionResult) -> str:
-    """Return what is to be said of points that nobody could win or lose; "" = there are none."""
+    """Return a sentence on points that no student could win or lose; "" = no such points."""
     points = sum(test.most for test in result.tests if test.status == ERROR)
     if not points:
         return ""
     share = f"{number(points)} of these {number(result.most)} points"
-    return f"{share} could not be graded, by no fault of the submission."
+    return f"Grading failed for {share}, without a fault of the submission."
 
 
 def versions_text(result: SubmissionResult) -> str:

@@ -22,11 +22,11 @@ from robsim.teach.submissions.names import problem_of
 RESULT, PAGE, TEXT, TEACHERS = "result.json", "index.html", "result.txt", "teacher.html"
 CLASS, MARKS, TABLE = "class.html", "class.csv", "by_hand.csv"
 SIMILAR = "similar.json"
-_KEPT = 40  # characters of a name that not every system takes
+_KEPT = 40  # characters of a name that some systems refuse
 
 
 def folder_name(student: str) -> str:
-    """Return the name of a student's folder: the student's, or one that every system takes."""
+    """Return the name of a student's folder: the student's, or one that all systems accept."""
     is_free = not student.lower().endswith((".csv", ".html", ".json", ".xml", ".zip"))
     if student and is_free and not {"/", "\\"} & set(student) and problem_of(student) is None:
         return student
@@ -42,11 +42,11 @@ def write_student(
     pictures: Mapping[str, bytes] | None = None,
     teacher_page: bool = False,
 ) -> None:
-    """Write the reports of a submission: each file whole, or as it was.
+    """Write the reports of a submission: each file is complete or unchanged.
 
-    ``index.html`` and ``result.txt`` are for the student: of hidden tests they have points and a
-    sentence. ``teacher.html`` and ``result.json`` have all, and pictures have the names of their
-    tests. `teacher_page` requests ``teacher.html``; an old one is always replaced.
+    ``index.html`` and ``result.txt`` are for the student, with points and a sentence of hidden
+    tests. ``teacher.html`` and ``result.json`` have all, and pictures have the names of their
+    tests. `teacher_page` requests ``teacher.html``; an old one is always overwritten.
 
     New pictures are PNG files by test; others are read from the folder.
     """
@@ -62,7 +62,7 @@ def write_student(
     write_whole(folder / TEXT, _utf8(student_text(theirs)))
     if teacher_page or (folder / TEACHERS).exists():
         write_whole(folder / TEACHERS, _utf8(student_page(result, found, for_teacher=True)))
-    # Last: where there is a result, its pages are there.
+    # Last: a folder with a result has its pages.
     write_whole(folder / RESULT, _utf8(result.to_json() + "\n"))
 
 
@@ -79,13 +79,13 @@ def write_class(
     columns: str = "robsim",
     title: str | None = None,
 ) -> None:
-    """Write the reports of a class, ``class.html`` and ``class.csv``, beside its submissions.
+    """Write the reports of a class, ``class.html`` and ``class.csv``, next to its submissions.
 
     The paths of the best runs are in the unit of `area`, by test and student. The page compares the
     programs by student (`program_of`) with each other and with `others`, without given text. If
-    `programs` is None, it shows the last comparison, which ``similar.json`` keeps. It links to
-    ``teacher.html`` where that is there, else to ``index.html``. With pseudonyms no text and no
-    program is shown. Columns and title are those of `marks_table`. Raise OSError, or ValueError for
+    `programs` is None, it shows the last comparison, from ``similar.json``. It links to an existing
+    ``teacher.html``, else to ``index.html``. With pseudonyms the page shows no text and no
+    program. `marks_table` documents columns and title. Raise OSError, or ValueError for
     no result and for unknown columns.
     """
     folder = as_folder(folder)

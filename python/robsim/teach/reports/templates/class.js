@@ -1,4 +1,4 @@
-// Sorts the table by the column whose heading is pressed: by data-value, and names as text.
+// Sorts the table by the column of a pressed heading: by data-value, and names as text.
 const table = document.querySelector("table.sortable");
 const order = new Intl.Collator(undefined, { numeric: true });
 table.tHead.addEventListener("click", ({ target }) => {
