@@ -184,7 +184,7 @@ def test_a_page_ends_that_somebody_else_may_have(started, capsys, monkeypatch):
         assert page.secret not in panel.url  # another one
         assert request(panel._page, "/" + panel._page.ticket.word)[0] == 302
         panel.wait()
-        assert "no page came" in capsys.readouterr().err
+        assert "no page connected" in capsys.readouterr().err
 
 
 class Terminal:

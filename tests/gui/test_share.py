@@ -225,7 +225,7 @@ def test_nothing_is_left_of_a_replay(tmp_path, monkeypatch):
             with pytest.raises(ZeroDivisionError):
                 robsim.gui.replay(path, trust=True)
         else:
-            with pytest.warns(UserWarning, match="differently"):
+            with pytest.warns(UserWarning, match="differs"):
                 again = robsim.gui.replay(path, trust=True)
             assert len([*tmp_path.glob("robsim-replay-*")]) == 1
             again.close()

@@ -1,4 +1,4 @@
-"""The face: panels of a run in a notebook, or in a browser window of their own."""
+"""The panels of a run: in a notebook or in a browser window."""
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""How the panels draw what belongs to a colour class."""
+"""The panels' drawing colours for colour classes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _CSS_COLORS = {
 
 
 def css_color(color: ColorClass) -> str:
-    """Return how what belongs to a class is drawn: by its name, or like the middle of its range."""
+    """Return the drawing colour of a class: by its name, or from the middle of its range."""
     if color.name in _CSS_COLORS:
         return _CSS_COLORS[color.name]
     # ITU-R BT.601, at half the luminance.

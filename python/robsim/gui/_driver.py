@@ -1,4 +1,4 @@
-"""Who owns the thread of a run: it steps, and carries out commands between two steps."""
+"""The owner of a run's thread: it steps, and executes commands between two steps."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 class Playback:
-    """Plays the steps of a record, with the part of a `Simulation` that a `Driver` needs.
+    """Plays the steps of a record, with the part of a `Simulation` required by a `Driver`.
 
-    It stands at the last step, as a finished run; the next `step` gives the first one.
+    It starts at the last step, like a finished run; the next `step` returns the first step.
     """
 
     SLOTS = ()  # a record calls nothing
@@ -43,21 +43,21 @@ class Playback:
 
     @property
     def last_step(self) -> Step:
-        """The step that is shown."""
+        """The displayed step."""
         if self._shown is None:
             self._shown = self._step(self._at)
         return self._shown
 
     def step(self) -> Step:
-        """Go to the next step; EOFError after the last one, after which it begins again."""
+        """Go to the next step; EOFError after the last step, then start again."""
         if self._next >= self.n_steps:
             self._next = 0
-            raise EOFError("the record is over")
+            raise EOFError("the record has ended")
         self.seek(self._next)
         return self.last_step
 
     def step_stage(self) -> str:
-        """Go to the next step: a record has no stages."""
+        """Go to the next step, because a record has no stages."""
         self.step()
         return self.stage
 
@@ -75,30 +75,30 @@ class Playback:
         self.seek(0)
 
     def stop(self) -> bool:
-        """Do nothing: a step takes no time that could be cut."""
+        """Do nothing: steps are short, so nothing is interrupted."""
         return False
 
 
 State = Literal["paused", "running", "ended", "failed", "closed"]
 T = TypeVar("T")
 SPEED = 5.0  # times real time
-LIMIT = 30.0  # s for a call of a callback, unless the run has its own limit
-_STAGE_PAUSE = 0.3  # s between two stages that are to be watched
-_CATCH_UP = 0.1  # s behind that are made up for; more are forgotten
-_LONGEST_GAP = 2.0  # s between two frames that are waited for: a record may have pauses
-_CHUNK = 0.02  # s of steps at a time, as fast as it goes
+LIMIT = 30.0  # s for a callback's call, unless the run has its own limit.
+_STAGE_PAUSE = 0.3  # s between two animated stages
+_CATCH_UP = 0.1  # s of delay that are caught up; longer delays are dropped
+_LONGEST_GAP = 2.0  # s of waiting between two frames: a record may have pauses
+_CHUNK = 0.02  # s of steps at a time, at full speed
 _LARGEST_CHUNK = 10_000  # steps
 
 
 class Driver(Worker):
     """Runs a simulation or an experiment in a separate thread.
 
-    Commands may come from any thread. They return at once, with a future. The thread carries them
-    out between two steps. An exception of a callback pauses the run and becomes `error`, not the
-    exception of the future. The next `start` or `step` repeats the stage that failed.
+    Commands may come from any thread. They return a future at once. The thread executes the
+    commands between two steps. An exception of a callback pauses the run and becomes `error`, not
+    the future's exception. The next `start` or `step` repeats the failed stage.
 
     `speed` is a multiple of real time; inf = as fast as possible. Until the driver is closed, other
-    code uses the `runner` only through `call`.
+    code must use the `runner` only through `call`.
     """
 
     _thread_name: ClassVar[str] = "robsim driver"
@@ -106,21 +106,21 @@ class Driver(Worker):
     def __init__(self, runner: Simulation | Experiment | Playback, *, speed: float = SPEED) -> None:
         super().__init__()
         self.runner = runner
-        # Called in the thread. Animated, a run begins with the slots that came once, as stages.
+        # Called in the thread. In an animated run, the slots of the start also appear as stages.
         self.on_step: list[Callable[[Step], None]] = []
         self.on_stage: list[Callable[[str, Step], None]] = []
         self.on_state: list[Callable[[Driver], None]] = []
         self.on_reset: list[Callable[[], None]] = []  # an exception prevents it
         self._state: State = "paused"
         self._error: BaseException | None = None
-        self._was_ended = False  # the newest run, by a command
+        self._was_ended = False  # whether a command ended the newest run
         self._stops_seen = self._n_stops
-        self._since = self._gap = 0.0  # when the newest step was due, and how long it lasts (s)
+        self._since = self._gap = 0.0  # due time and duration of the newest step (s)
         self._chunk = 1
         self._animates = False
-        self._unseen: deque[str] = deque()  # what came once, and is to be watched first
+        self._unseen: deque[str] = deque()  # stages of the start that are still to be animated
         self.speed = speed
-        #: The limit of the calls of callbacks, which knows the one under way.
+        #: The limit of the calls of callbacks, which knows the current call.
         self.limit = None if isinstance(runner, Playback) else runner._time_limit
         self._own_limit = None if isinstance(runner, Playback) or self.limit else TimeLimit(LIMIT)
         if self._own_limit is not None:
@@ -134,7 +134,7 @@ class Driver(Worker):
 
     @property
     def error(self) -> BaseException | None:
-        """What ended the run if `state` is ``"failed"``."""
+        """The exception that ended the run if `state` is ``"failed"``."""
         return self._error
 
     @property
@@ -151,24 +151,24 @@ class Driver(Worker):
 
     @property
     def is_busy(self) -> bool:
-        """Whether it runs, or carries out a command."""
+        """Whether the run continues, or a command is being executed."""
         return self._state == "running" or self._is_working or bool(self._jobs)
 
     @property
     def waited_for(self) -> float | None:
-        """Since when a pause or a reset waits for the call under way (monotonic clock, s)."""
+        """Since when a pause or reset has waited for the current call (monotonic clock, s)."""
         with self._wake:
             asked = (getattr(job, "asked", None) for job in self._jobs)
             return min((at for at in asked if at is not None), default=None)
 
     @property
     def is_stopped(self) -> bool:
-        """Whether the robot was stopped by `stop_robot`, and has not been told to move since."""
+        """Whether `stop_robot` stopped the robot, without a later command to move."""
         return self._n_stops != self._stops_seen
 
     @property
     def speed(self) -> float:
-        """Multiple of real time; inf = as fast as it goes."""
+        """Multiple of real time; inf = as fast as possible."""
         return self._speed
 
     @speed.setter
@@ -182,7 +182,7 @@ class Driver(Worker):
 
     @property
     def animates(self) -> bool:
-        """Whether it goes from stage to stage, so slowly that one can watch."""
+        """Whether the run shows stage after stage, slowly enough for watching."""
         return self._animates
 
     @animates.setter
@@ -192,32 +192,32 @@ class Driver(Worker):
             self._wake.notify()
 
     def prepare(self) -> Future[None]:
-        """Do what comes once, at the start, and show the start."""
+        """Run the slots of the start, and show the initial state."""
         return self.call(lambda: self._attempt(self._show_start))
 
     def start(self) -> Future[None]:
         return self._move(lambda: self._set("running"), ends_run=False)
 
     def pause(self) -> Future[None]:
-        """Stop after the step under way; the robot of an experiment is stopped."""
+        """Stop after the current step; in an experiment, also stop the robot."""
         return self._command(self._pause, ends_call=True)
 
     def step(self) -> Future[None]:
-        """Pause, and do one step."""
+        """Pause, and run one step."""
         return self._move(lambda: self._once(self._one_step))
 
     def step_stage(self) -> Future[None]:
-        """Pause, and do one stage of a step."""
+        """Pause, and run one stage of a step."""
         return self._move(lambda: self._once(self._one_stage))
 
     def reset(self) -> Future[None]:
-        """Pause, and go back to the start. The future has the exception if that is impossible."""
+        """Pause, and return to the start. The future raises if that is impossible."""
         return self._command(self._reset, ends_call=True)
 
     def stop_robot(self) -> Future[None]:
-        """Stop the robot at once, in this thread, then pause; raises as `Experiment.stop_robot`.
+        """Stop the robot at once, in this thread, then pause; raises like `Experiment.stop_robot`.
 
-        Earlier commands that would move it are forgotten.
+        Earlier commands to move are cancelled.
         """
         try:
             if isinstance(self.runner, Experiment):
@@ -227,21 +227,21 @@ class Driver(Worker):
         return paused
 
     def call(self, function: Callable[[], T]) -> Future[T]:
-        """Call a function in the thread, between two steps; `close` may cancel it before."""
-        # A run that is cut stops its robot, which is not for each look or setting to do.
+        """Call a function in the thread, between two steps; `close` may cancel the call."""
+        # Interrupting a run stops its robot, so looks and settings must not interrupt.
         return self._command(function, ends_run=not self.has_motors)
 
     def ask(self, function: Callable[[], T]) -> T:
         """Call a function between two steps, and wait for its result.
 
-        Who asks in the thread gets it at once; so does everybody after the end.
+        In the thread itself, and after the end, the call runs at once.
         """
         if self.is_here:
             return function()
         try:
             return self.call(function).result()
         except CancelledError:
-            self.close()  # the step under way may not be over
+            self.close()  # the current step may still run
             return function()
 
     def _command(
@@ -253,7 +253,7 @@ class Driver(Worker):
         first: bool = False,
     ) -> Future[T]:
         if self._is_elsewhere:
-            raise RuntimeError("this run belongs to the process that was forked: make another one")
+            raise RuntimeError("this run belongs to the parent process; create a run after a fork")
         command = _Command(self, function, ends_run, time.monotonic() if ends_call else None)
         if not self.post(command, first=first):
             command.answer.cancel()
@@ -262,7 +262,7 @@ class Driver(Worker):
         return command.answer
 
     def _move(self, move: Callable[[], None], *, ends_run: bool = True) -> Future[None]:
-        """Do what may move the robot, unless it is stopped after this was asked for."""
+        """Do something that may move the robot, unless the robot is stopped meanwhile."""
         stops = self._n_stops
 
         def do() -> None:
@@ -290,7 +290,7 @@ class Driver(Worker):
     # In the thread.
 
     def _work(self) -> None:
-        # One watchdog for all steps.
+        # All steps share one watchdog.
         with nullcontext() if self.limit is None else self.limit.watching():
             super()._work()
 
@@ -312,10 +312,10 @@ class Driver(Worker):
     def _finish(self) -> None:
         try:
             self._stop_robot()
-        except BaseException as error:  # whatever the user's motors raise
+        except BaseException as error:  # any error of the user's motors
             self.report(error)
         if self._own_limit is not None:
-            self._own_limit.seconds = math.inf  # slots of the start keep it
+            self._own_limit.seconds = math.inf  # slots of the start keep the limit
             self._limit_calls(None)
         self._set("closed")
 
@@ -324,13 +324,13 @@ class Driver(Worker):
         try:
             with self._looking_up():
                 advance()
-        except BaseException as error:  # also a KeyboardInterrupt that a callback raises
+        except BaseException as error:  # also a KeyboardInterrupt raised by a callback
             is_callback = callback_of(error) is not None
             if isinstance(error, EOFError) and not is_callback:
                 self._set("ended")
             elif isinstance(error, HaltedError) and self.is_stopped:
                 self._pause()
-            elif is_callback or not self._was_ended:  # a wait for a frame that was cut is no error
+            elif is_callback or not self._was_ended:  # an interrupted wait for a frame is no error
                 self._fail(error)
 
     def _looking_up(self) -> AbstractContextManager[None]:
@@ -339,7 +339,7 @@ class Driver(Worker):
         return self.runner._looking_up(self._look_up)
 
     def _look_up(self, _: int) -> None:
-        """End the run under way if there is a reason to; in the midst of it, every 50 ms or so."""
+        """Interrupt the run for a reason to end it; called about every 50 ms during a step."""
         if self.is_stopped and isinstance(self.runner, Experiment):
             self.runner._halt()
         with self._wake:
@@ -375,16 +375,16 @@ class Driver(Worker):
     def _one_stage(self) -> None:
         self._unseen.clear()
         self._tell_stage(self.runner.step_stage())
-        if self.runner.stage == "world":  # it was the last one of the step
+        if self.runner.stage == "world":  # the last stage of the step
             self._tell(self.on_step, self.runner.last_step)
 
     def _show_start(self) -> None:
-        step = self.runner.last_step  # does what comes once
+        step = self.runner.last_step  # runs the slots of the start
         if not self.runner.n_steps:
             self._unseen = deque(slot for slot in AT_START if slot in self.runner.SLOTS)
         is_late = isinstance(self.runner, Simulation) and self.runner.scenario.camera_delay
         if (isinstance(self.runner, Experiment) or is_late) and not self.runner.n_steps:
-            self._tell(self.on_state, self)  # no frame has come yet
+            self._tell(self.on_state, self)  # no frame has arrived yet
         else:
             self._tell(self.on_step, step)
 
@@ -443,9 +443,9 @@ class Driver(Worker):
 
 
 class _Command:
-    """A job with an answer; `ends_run`: a run that waits for a frame, or is of many steps.
+    """A job with an answer; `ends_run` interrupts a wait for a frame or a chunk of steps.
 
-    `asked` is when it came, if it ends a callback that hangs, too.
+    `asked` is the time of the command, if the command also ends a hanging callback.
     """
 
     def __init__(
@@ -467,7 +467,7 @@ class _Command:
 
 
 class _Answer(Future[Any]):
-    """A future that cannot be waited for where it would never come."""
+    """A future that raises instead of waiting endlessly."""
 
     def __init__(self, driver: Driver) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""A line from Python to one browser: messages and their checks, and frames."""
+"""A connection from Python to one browser: messages and their checks, and frames."""
 
 from __future__ import annotations
 
@@ -11,57 +11,57 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar
 
-if TYPE_CHECKING:  # the first picture loads them: the start page opens sooner without
+if TYPE_CHECKING:  # loaded with the first picture, so that the start page opens sooner
     from PIL import Image
 
     from robsim._core import Blob, Frame, PlaneMap
     from robsim.vision.imaging import images
 
 Buffers = Sequence[bytes]
-_FORGET = 10.0  # s after which a view that says nothing, while others do, is gone
+_FORGET = 10.0  # s after which a view, silent unlike others, counts as gone
 _MOST_VIEWS = 20
 _WIDEST = 1 << 14  # px of a picture
-_SAID_LATE = ("grant", "size", "bye", "columns")  # which need no answer
-_MOST_REFUSALS = 10  # that are answered in a second
-SLOW = 0.3  # s between frames that are sent though nobody grants room
+_SAID_LATE = ("grant", "size", "bye", "columns")  # messages without an answer
+_MOST_REFUSALS = 10  # answered per second
+SLOW = 0.3  # s between frames without grants
 
 
 class Link(ABC):
-    """A line to a browser page, or to a widget with several views; for the thread of a `View` only.
+    """A link to a browser page, or to a widget with several views; only for a `View`'s thread.
 
-    Its views grant room for frames in advance: a slow view misses frames, and nothing else waits.
+    Its views grant room for frames in advance: a slow view misses frames without blocking others.
     """
 
     is_in_notebook: ClassVar[bool] = False
-    keeps_still: ClassVar[bool] = False  # whether it has a place for a picture that stays
+    keeps_still: ClassVar[bool] = False  # whether it can store a still picture
 
     def __init__(self) -> None:
         self.sent = 0  # frames
-        self.rows: dict[str, int] = {}  # group of columns -> the next row to be sent
-        self.n_resets = 0  # of the record, when the last ones were sent
-        self.width = 600  # of the picture on the screen (px)
-        self.shown: object = None  # what was sent as the newest frame
-        self.frame: Frame | None = None  # the shown one, also of a past step
-        self.looking: int | None = None  # the past step that it shows; None = the newest
-        self._grants: dict[str, int] = {}  # view -> the last frame that it has room for
+        self.rows: dict[str, int] = {}  # group of columns -> next row
+        self.n_resets = 0  # of the record, when rows were last sent.
+        self.width = 600  # px of the picture on the screen
+        self.shown: object = None  # the newest sent frame
+        self.frame: Frame | None = None  # the displayed frame, also of a past step
+        self.looking: int | None = None  # the displayed past step; None = the newest
+        self._grants: dict[str, int] = {}  # view -> the last frame with room
         self._heard: dict[str, float] = {}
         self._last_frame = 0.0
-        self._n_late = 0  # grants in a row of a view that waits for frames that were sent
-        self._arrived = 0  # frames that had been sent when it last waited for none, or got one
-        self._upto: int | None = None  # the newest grant, which is greater when a frame has come
-        self._refused: deque[float] = deque(maxlen=_MOST_REFUSALS)  # when
+        self._n_late = 0  # consecutive grants of a view that waits for sent frames.
+        self._arrived = 0  # frames sent when the view last received one or did not wait.
+        self._upto: int | None = None  # the newest grant, which grows with each received frame
+        self._refused: deque[float] = deque(maxlen=_MOST_REFUSALS)  # times
         self.n_waiting = 0  # messages of its views; with the lock of the `View` held
-        self.bytes_waiting = 0  # of their buffers, as that
-        self.is_gone = False  # nothing can be sent any more
+        self.bytes_waiting = 0  # of their buffers, with the same lock
+        self.is_gone = False  # whether sending has failed
         self._last: LastWords | None = None
         self.said = 0.0  # when the last message was sent, by the monotonic clock
 
     @abstractmethod
     def transmit(self, head: Mapping[str, Any], buffers: Buffers) -> None:
-        """Bring a message to the other end without waiting; OSError, RuntimeError: it is gone."""
+        """Send a message to the other end without waiting; OSError, RuntimeError: it is gone."""
 
     def send(self, head: Mapping[str, Any], buffers: Buffers = ()) -> None:
-        """Send a message; if nobody is there any more, it is lost."""
+        """Send a message; without a receiver, the message is lost."""
         if self.is_gone:
             return
         self.said = time.monotonic()
@@ -71,24 +71,24 @@ class Link(ABC):
             self.is_gone = True
 
     def refuse(self, why: str) -> None:
-        """Say why a message was refused, unless that is said all the time."""
+        """Send the reason for a refusal, unless there are too many."""
         now = time.monotonic()
         if len(self._refused) < _MOST_REFUSALS or now - self._refused[0] > 1.0:
             self._refused.append(now)
             self.send({"type": "note", "level": "error", "text": why})
 
     def keep(self, picture: bytes) -> None:
-        """Keep a picture (PNG) for when Python is gone, in place of an earlier one."""
-        raise NotImplementedError  # where `keeps_still` is false
+        """Store a picture (PNG) for the time after Python ends, instead of the previous one."""
+        raise NotImplementedError  # if `keeps_still` is false
 
     def end(self, last: LastWords) -> None:
-        """Send the last words to a view without any message; keep them for later ones."""
+        """Send the last words to views without a message; store them for later views."""
         self._last = last
-        if not (self.is_watched or self.is_in_notebook):  # a widget asks first
+        if not (self.is_watched or self.is_in_notebook):  # a widget requests them
             self._say_last(last)
 
     def late(self, message: Any) -> None:
-        """Answer a message that comes when all is over."""
+        """Answer a message after the end of the panel."""
         kind = message.get("type") if isinstance(message, dict) else None
         if kind == "hello" and self._last is not None:
             self._say_last(self._last)
@@ -105,7 +105,7 @@ class Link(ABC):
         return bool(self._grants)
 
     def greet(self, view: str) -> None:
-        """Note a new view with room for a frame; of too many, the longest silent is forgotten."""
+        """Note a new view with room for a frame; forget the longest silent view of too many."""
         if len(self._heard) >= _MOST_VIEWS and view not in self._heard:
             self.part(min(self._heard, key=self._heard.__getitem__))
         self.forget_rows()
@@ -113,11 +113,11 @@ class Link(ABC):
         self._upto = None
 
     def forget_rows(self) -> None:
-        """Note that a view may lack rows that were sent: they are sent again."""
+        """Note that a view may lack sent rows, so that they are sent again."""
         self.rows = dict.fromkeys(self.rows, 0)
 
     def grant(self, view: str, upto: int, *, late: bool = False) -> None:
-        """Note that a view has room for frames up to a number; `late`: it waits for one."""
+        """Note that a view has room for frames up to a number; `late`: it waits for a frame."""
         now = time.monotonic()
         has_got_one = self._upto is not None and upto > self._upto
         if not late or has_got_one:
@@ -127,40 +127,40 @@ class Link(ABC):
         self._upto = upto
         self._grants[view], self._heard[view] = upto, now
         for other in [v for v, heard in self._heard.items() if now - heard > _FORGET]:
-            self.part(other)  # such as one whose page was closed without a bye
+            self.part(other)  # such as after closing a page without a bye
 
     def resize(self, width: int) -> None:
-        """Note how wide the picture is on the screen (px)."""
+        """Note the width of the picture on the screen (px)."""
         self.width = min(max(1, width), _WIDEST)
 
     def part(self, view: str) -> None:
-        """Note that a view has gone."""
+        """Note that a view has disconnected."""
         self._grants.pop(view, None)
         self._heard.pop(view, None)
 
     @property
     def is_behind(self) -> bool:
-        """Whether much is on its way: what is large waits; any thread may ask."""
-        return False  # where that is not known
+        """Whether much data is in transit: large messages wait; any thread may read this."""
+        return False  # unknown
 
     def lacks(self, newest: object) -> bool:
         return self.is_watched and self.shown is not newest
 
     def has_room(self, now: float) -> bool:
-        """Return whether a frame may be sent; without answers, as while a cell runs, seldom."""
+        """Return whether a frame may be sent; seldom without answers, as in a running cell."""
         if not self._grants:
             return False
         return min(self._grants.values()) > self.sent or now - self._last_frame > SLOW
 
     def send_frame(self, head: Mapping[str, Any], buffers: Buffers, now: float) -> None:
-        """Send a frame with its number, and with the time, from which a view sees a line fill."""
+        """Send a frame with its number and the time, by which a view detects a slow link."""
         self.sent += 1
         self._last_frame = now
         self.send({**head, "n": self.sent, "sent": 1000 * time.time()}, buffers)
 
 
 class LastWords(Link):
-    """A line that keeps the last messages of a panel, for views that come after its end."""
+    """A link that stores the last messages of a panel, for views that connect after its end."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -173,13 +173,13 @@ class LastWords(Link):
 
 
 Check = Callable[[Any], Any]
-#: Type of message -> field -> check; `id` is in all of them. The field `buffers` is no JSON.
+#: Type of message -> field -> check; `id` is in all messages. The field `buffers` is not JSON.
 Messages = Mapping[str, Mapping[str, Check]]
 _MOST_TEXT = 200  # characters
 
 
 class Refused(Exception):
-    """A message that cannot be used; its text goes back to the browser."""
+    """An unusable message; the browser receives the text."""
 
 
 def text(value: Any) -> str:
@@ -219,7 +219,7 @@ def setting(value: Any) -> bool | float | str:
 
 
 def message(value: Any) -> dict[str, Any]:
-    """Return a message, to be checked by whom it is for."""
+    """Return a message for a check by its final receiver."""
     if not isinstance(value, dict):
         raise Refused("a message")
     return value
@@ -230,7 +230,7 @@ def maybe(check: Check) -> Check:
 
 
 def list_of(check: Check, most: int) -> Check:
-    """Return a check of lists of so many items."""
+    """Return a check of lists up to a length."""
 
     def checked(value: Any) -> list[Any]:
         if not isinstance(value, list) or len(value) > most:
@@ -247,14 +247,14 @@ def point(value: Any) -> tuple[float, float]:
 
 
 def buffers_of_message(value: Any) -> list[bytes]:
-    """Return the buffers of a message that is passed on, to be checked by whom it is for."""
+    """Return the buffers of a relayed message for a check by the final receiver."""
     if len(value) > 1:
-        raise Refused("one at most")
+        raise Refused("at most one")
     return [bytes(one) for one in value]
 
 
 def one_buffer(most: int) -> Check:
-    """Return a check of buffers: it returns the only one, of up to so many bytes."""
+    """Return a check of buffers that returns the only one, up to a size in bytes."""
 
     def checked(value: Any) -> bytes:
         if len(value) != 1 or len(value[0]) > most:
@@ -264,7 +264,7 @@ def one_buffer(most: int) -> Check:
     return checked
 
 
-#: What every panel takes.
+#: The messages that every panel accepts.
 MAGNIFY = {"at": point, "half": whole, "glass": whole}
 COMMON: Messages = {
     "hello": {"width": whole},
@@ -277,12 +277,12 @@ COMMON: Messages = {
 def checked_message(
     message: Any, messages: Messages, buffers: Sequence[bytes] = ()
 ) -> dict[str, Any]:
-    """Return a message with the fields of its type and no others; else raise `Refused`."""
+    """Return a message with exactly the fields of its type; otherwise raise `Refused`."""
     kind = message.get("type") if isinstance(message, dict) else None
     if not isinstance(kind, str) or kind not in messages:
         raise Refused("not a message of this panel")
     fields = {"id": text, **messages[kind]}
-    given = {**message, "buffers": buffers}  # whatever the browser says of them
+    given = {**message, "buffers": buffers}  # overrides a field of the browser
     return {"type": kind} | {
         name: _checked(kind, name, check, given) for name, check in fields.items()
     }
@@ -299,13 +299,13 @@ def _checked(kind: str, name: str, check: Check, message: dict[str, Any]) -> Any
 
 _GAP = 1 / 30  # s between two frames
 _QUALITY = 80  # of the JPEG; 25 kB for 600 x 600
-_MOST_HALF = 100  # px of the picture to each side, of what a magnifying glass gets
-_MOST_BYTES = 140_000  # of a picture that stays in a notebook
-_COLORS = (128, 64, 32, 16)  # of few a photograph of a noisy floor takes a fifth
+_MOST_HALF = 100  # px of the picture to each side under a magnifying glass
+_MOST_BYTES = 140_000  # of a still picture in a notebook.
+_COLORS = (128, 64, 32, 16)  # with few colours, a photograph of a noisy floor shrinks to a fifth
 
 
 class FrameClock:
-    """The due time of a next frame: "30 ms since the last" would beat against the steps' clock."""
+    """The due time of the next frame: "30 ms after the last" would beat against the steps."""
 
     def __init__(self) -> None:
         self.due = 0.0  # by the monotonic clock
@@ -323,12 +323,12 @@ def jpeg(pixels: images.Pixels) -> bytes:
 
 
 def small_png(picture: Image.Image) -> bytes:
-    """Return an image as a PNG of so few colours that it is small, for a saved notebook."""
+    """Return an image as a small PNG with few colours, for a saved notebook."""
     from PIL import Image
 
     for colors in _COLORS:
         out = io.BytesIO()
-        kind = Image.Quantize.FASTOCTREE  # it keeps rare colours, such as those of the markers
+        kind = Image.Quantize.FASTOCTREE  # keeps rare colours, such as the markers'
         few = picture.quantize(colors, kind, dither=Image.Dither.NONE)
         few.save(out, "PNG", optimize=True)
         if out.tell() <= _MOST_BYTES:
@@ -337,7 +337,7 @@ def small_png(picture: Image.Image) -> bytes:
 
 
 def numbers(values: Any) -> list[float] | None:
-    """Return an array as a list for JSON; None if one of them is not finite."""
+    """Return an array as a list for JSON; None if a value is not finite."""
     import numpy as np
 
     array = np.asarray(values, float).ravel()
@@ -364,7 +364,7 @@ def boxes_of(blobs: Mapping[str, Sequence[Blob]]) -> list[list[Any]]:
 
 
 def lens_of(plane_map: PlaneMap) -> list[float] | None:
-    """Return fx, fy, cx, cy and the distortion; None for a camera whose lens is not known."""
+    """Return fx, fy, cx, cy and the distortion; None for a camera with an unknown lens."""
     lens = plane_map.intrinsics
     if lens is None:
         return None

@@ -1,4 +1,4 @@
-"""What a panel is made of: a thread that talks to browsers, and the lines to them."""
+"""The base of a panel: a thread that talks to browsers, and the links to them."""
 
 from __future__ import annotations
 
@@ -14,40 +14,40 @@ from robsim.base.text import said_by
 from robsim.gui._link import Buffers, LastWords, Link, Messages, Refused, checked_message
 from robsim.gui._worker import Beside, Worker
 
-_MOST_WAITING = 500  # messages of a line; whoever sends more is not listened to, others are
-_MOST_BYTES_WAITING = 1 << 22  # of a line's buffers; what comes beyond that is thrown away
-_MOST_IN_A_ROW = 50  # jobs, before it looks for what is due
-_LATER = 3600.0  # s: by then all is due
+_MOST_WAITING = 500  # messages of a link; further messages of this link are dropped
+_MOST_BYTES_WAITING = 1 << 22  # of a link's buffers; the rest is dropped
+_MOST_IN_A_ROW = 50  # jobs before the next look at due work.
+_LATER = 3600.0  # s until the next look at the latest
 _MOST_LAST = 50  # messages at the end
-_BEAT = 2.0  # s without a message, after which a view gets a sign of life
-RETRY = 1.0  # s until what failed in `look` is tried again
+_BEAT = 2.0  # s without a message, after which a view gets a sign of life.
+RETRY = 1.0  # s before a retry after a failure in `look`
 
 
 class View(Worker):
     """State in Python, shown by browsers that only know messages (see PROTOCOL.md).
 
-    All happens in one thread: there are no locks, and hosts and runs never wait.
+    Everything runs in one thread: there are no locks, and hosts and runs never wait.
     """
 
     _thread_name = "robsim view"
 
-    #: Which view of the module in the browser shows it.
+    #: The view of the browser's module that shows this class.
     kind: ClassVar[str]
-    #: What it takes of a browser.
+    #: The accepted messages of a browser.
     messages: ClassVar[Messages]
 
     def __init__(self) -> None:
         super().__init__()
         self.links: list[Link] = []
         self._besides: list[Beside] = []
-        self._next_look = math.inf  # when there is something to do without a job
+        self._next_look = math.inf  # time of the next work without a job
         self._in_a_row = 0
         self._last: LastWords | None = None
 
     # For hosts: any thread.
 
     def connect(self, link: Link) -> None:
-        """Add a line; it is told something once a view on it says hello."""
+        """Add a link; the first message follows the hello of a view."""
         if not self.post(lambda: self.links.append(link)) and self._last is not None:
             link.end(self._last)
 
@@ -55,7 +55,7 @@ class View(Worker):
         self.post(lambda: self._disconnect(link))
 
     def receive(self, link: Link, message: Any, buffers: Buffers = ()) -> None:
-        """Take a message of a browser, and its buffers, of which `message` says nothing."""
+        """Take a message of a browser, and its buffers, which `message` does not contain."""
         is_urgent = self.is_urgent(message)
         with self._wake:
             if link.n_waiting < _MOST_WAITING * (2 if is_urgent else 1):
@@ -68,13 +68,13 @@ class View(Worker):
                     link.late(message)
 
     def settle(self) -> None:
-        """Wait until all is done that was received by now; in the thread itself it does not."""
+        """Wait for the end of all work received so far; in the thread itself, do not wait."""
         done = threading.Event()
         if not self.is_here and self.post(done.set):
             done.wait()
 
     def is_urgent(self, message: Any) -> bool:
-        """Return whether a message, which may be anything, comes before all that waits."""
+        """Return whether a message of any form precedes all waiting messages."""
         return False
 
     def close(self, timeout: float = 5.0) -> bool:
@@ -84,14 +84,14 @@ class View(Worker):
         return has_ended
 
     def beside(self, name: str) -> Beside:
-        """Return what computes in a thread of this name; `close` waits for it."""
+        """Return a helper that computes in a thread of this name; `close` waits for the thread."""
         self._besides.append(Beside(self, name))
         return self._besides[-1]
 
     # In the thread.
 
     def _finish(self) -> None:
-        """Tell all the last state, and keep it for those who come later."""
+        """Send the last state to all views, and store it for later ones."""
         self._last = last = LastWords()
         if not self.links:
             return
@@ -109,7 +109,7 @@ class View(Worker):
             link.end(last)
 
     def farewell(self, last: Link) -> None:
-        """Prepare the last messages, which this line gets; not all views need to."""
+        """Send the last messages to this link, if the view has any."""
 
     def send(self, head: Mapping[str, Any], *buffers: bytes) -> None:
         for link in self.links:
@@ -117,7 +117,7 @@ class View(Worker):
                 link.send(head, buffers)
 
     def note(self, text: str, level: str = "error") -> None:
-        """Tell all who watch something; from any thread."""
+        """Show a text in all connected views; from any thread."""
         self.post(lambda: self.send({"type": "note", "level": level, "text": text}))
 
     @property
@@ -125,39 +125,39 @@ class View(Worker):
         return any(link.is_watched for link in self.links)
 
     def handlers(self) -> Mapping[str, Callable[[Link, dict[str, Any]], None]]:
-        """Return what is done with each type of message."""
+        """Return the handlers by message type."""
         own = {"hello": self._hello, "bye": self._bye}
         return {**own, "grant": self._grant, "size": self._size}
 
     @abstractmethod
     def tell(self, link: Link) -> None:
-        """Tell everything to a view that is new, or was taken to have gone."""
+        """Send everything to a view that is new, or returns after a timeout."""
 
     def look(self, now: float) -> float:
-        """Do what is due; return when to look again."""
+        """Do the due work; return the time of the next look."""
         return math.inf
 
     @abstractmethod
     def parted(self) -> None:
-        """Do what is to be done when the last view has gone."""
+        """React to the disconnection of the last view."""
 
     @abstractmethod
     def snapshot(self) -> bytes:
-        """Return a still picture of the view (PNG); any thread may ask."""
+        """Return a still picture of the view (PNG); any thread may call this."""
 
     def handle(self, link: Link, message: Any, buffers: Buffers = ()) -> None:
-        """Do what a message asks for; its buffers are its field `buffers`, where it has one."""
+        """Handle a message; its field `buffers` holds any buffers."""
         try:
             checked = checked_message(message, self.messages, buffers)
             handler = self.handlers().get(checked["type"])
             if handler is None:
-                raise Refused(f"{self.kind} takes no message {checked['type']!r}")
+                raise Refused(f"{self.kind} accepts no message {checked['type']!r}")
             handler(link, checked)
         except Refused as error:
             link.refuse(str(error))
 
     def forget(self, kind: str) -> None:
-        """Forget the messages of a type that wait."""
+        """Drop the waiting messages of a type."""
         with self._wake:
             jobs, self._jobs = self._jobs, deque()
             for job in jobs:
@@ -167,10 +167,10 @@ class View(Worker):
                     self._jobs.append(job)
 
     def report(self, error: BaseException) -> bool:
-        """Tell of a mistake of ours, the browsers too."""
+        """Report an internal error, also to the browsers."""
         is_new = super().report(error)
         if is_new:
-            self.note(f"A mistake in the panel itself: {said_by(error)}")
+            self.note(f"Internal error of the panel: {said_by(error)}")
         return is_new
 
     def _due(self) -> float:
@@ -191,7 +191,7 @@ class View(Worker):
         self._next_look = min(now + RETRY if due is None else due, self._beat(now))
 
     def _beat(self, now: float) -> float:
-        """Give silent lines a sign of life; return the time of the next one."""
+        """Send a sign of life to silent links; return the time of the next one."""
         watched = [link for link in self.links if link.is_watched]
         for link in watched:
             if now - link.said >= _BEAT:
@@ -204,7 +204,7 @@ class View(Worker):
         self.tell(link)
 
     def _grant(self, link: Link, message: dict[str, Any]) -> None:
-        is_back = not link.is_watched  # though it was taken to have gone
+        is_back = not link.is_watched  # after a timeout
         link.grant(message["id"], message["upto"], late=message["late"])
         if is_back:
             link.forget_rows()
@@ -212,7 +212,7 @@ class View(Worker):
 
     def _size(self, link: Link, message: dict[str, Any]) -> None:
         link.resize(message["width"])
-        link.shown = None  # as sharp as it is shown now
+        link.shown = None  # send it again at the new resolution
 
     def _bye(self, link: Link, message: dict[str, Any]) -> None:
         was_watched = self.is_watched
@@ -229,7 +229,7 @@ class View(Worker):
 
 
 class _Received:
-    """A message that waits."""
+    """A waiting message."""
 
     def __init__(self, view: View, link: Link, message: Any, buffers: Buffers) -> None:
         self._view, self.link, self._message, self._buffers = view, link, message, buffers
@@ -240,7 +240,7 @@ class _Received:
         self._view.handle(self.link, self._message, self._buffers)
 
     def count(self, sign: int) -> None:
-        """Count it among what waits on its line, or no more; with the lock of the view held."""
+        """Add or subtract the message in its link's counts; with the lock of the view held."""
         self.link.n_waiting += sign
         self.link.bytes_waiting += sign * sum(map(len, self._buffers))
 

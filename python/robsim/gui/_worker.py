@@ -1,4 +1,4 @@
-"""A thread of its own, which does one job after another."""
+"""A thread that does one job after another."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, ClassVar, TypeVar
 
-_IDLE = 10.0  # s without anything to do, after which the thread ends until there is
+_IDLE = 10.0  # s without work, after which the thread ends until the next job
 _LAST_PATIENCE = 1.0  # s for all threads together when Python ends
-_LONGEST_WAIT = 3600.0  # s; conditions take no infinity
+_LONGEST_WAIT = 3600.0  # s; conditions accept no infinity
 _MOST_REPORTS = 100
 _at_work: weakref.WeakSet[Worker] = weakref.WeakSet()
-_lock = threading.Lock()  # of that
-#: Held to draw a figure: one at a time.
+_lock = threading.Lock()  # of `_workers`
+#: Held while drawing a figure: one at a time.
 drawing = threading.Lock()
 
 
 class Worker(ABC):
-    """Does jobs, one after another, and what is due by itself, in a thread of its own.
+    """Does jobs, one after another, and due work, in a separate thread.
 
-    The thread begins with the first job, and ends where nothing is to be done for a while: who is
-    forgotten without having been closed is collected like any other object, unless it is at work.
-    In a forked process, which has not got the thread, it takes no jobs.
+    The thread begins with the first job, and ends after a while without work. An idle worker that
+    was not closed is garbage-collected like any other object. A forked process lacks the thread,
+    so its copy takes no jobs.
     """
 
     _thread_name: ClassVar[str]
@@ -59,9 +59,9 @@ class Worker(ABC):
         return True
 
     def close(self, timeout: float = 5.0) -> bool:
-        """End the thread after its job; return whether it ended within the timeout (s).
+        """End the thread after its job; return whether the thread ended within the timeout (s).
 
-        A thread that hangs is left behind, and ends with Python. In the thread itself, it is False.
+        A hanging thread is left behind, and ends with Python. In the thread itself, return False.
         """
         if self._is_elsewhere:
             return True
@@ -77,7 +77,7 @@ class Worker(ABC):
         return not thread.is_alive()
 
     def guarded(self, job: Callable[..., Any], *arguments: object) -> Any:
-        """Do something in which a mistake of ours must not end the thread; None if there is one."""
+        """Do something; report an internal error, and return None instead of ending the thread."""
         try:
             return job(*arguments)
         except Exception as error:
@@ -85,7 +85,7 @@ class Worker(ABC):
             return None
 
     def report(self, error: BaseException) -> bool:
-        """Report an exception as of an ended thread; False for a place that was reported before."""
+        """Report an exception like a failed thread; False if its place was reported before."""
         frames = traceback.extract_tb(error.__traceback__, -1)
         place = (frames[0].filename, frames[0].lineno or 0) if frames else ("", 0)
         if place in self._reported or len(self._reported) >= _MOST_REPORTS:
@@ -97,12 +97,12 @@ class Worker(ABC):
 
     @property
     def _is_elsewhere(self) -> bool:
-        """Whether this is a process that was forked from the one with the thread."""
+        """Whether this process was forked from the process with the thread."""
         return self._process != os.getpid()
 
     @property
     def is_over(self) -> bool:
-        """Whether it takes no more jobs."""
+        """Whether the worker takes no more jobs."""
         return self._is_over
 
     @property
@@ -111,13 +111,13 @@ class Worker(ABC):
 
     def _begin(self) -> None:
         thread = threading.Thread(target=self._work, name=self._thread_name, daemon=True)
-        thread.start()  # it waits for the lock
+        thread.start()  # the thread waits for the lock
         self._thread = thread
         with _lock:
             _at_work.add(self)
 
     def _end(self) -> None:
-        """Take no more jobs, with the lock held; what waits is done before the thread ends."""
+        """Refuse further jobs, with the lock held; waiting jobs run before the thread ends."""
         self._is_over = True
         self._wake.notify()
 
@@ -125,24 +125,24 @@ class Worker(ABC):
 
     @abstractmethod
     def _due(self) -> float:
-        """Return when there is something to do without a job, by the monotonic clock."""
+        """Return the time of the next work without a job, by the monotonic clock."""
 
     @abstractmethod
     def _do_due(self) -> None:
-        """Do what is due."""
+        """Do the due work."""
 
     def _finish(self) -> None:  # noqa: B027  # not all have something to do
-        """Do what comes last."""
+        """Do the last work before the end."""
 
     def _rest(self) -> None:  # noqa: B027
-        """Do what comes after each job."""
+        """Do the work after each job."""
 
     def _work(self) -> None:
         while (job := self._next_job()) is not None:
             self.guarded(job)
-            del job  # it may hold much, such as a frame
+            del job  # the job may hold much memory, such as a frame
             self.guarded(self._rest)
-        if self.is_here:  # otherwise it has only run out of jobs
+        if self.is_here:  # otherwise the worker is only out of jobs
             self.guarded(self._finish)
 
     def _next_job(self) -> Callable[[], object] | None:
@@ -162,7 +162,7 @@ class Worker(ABC):
 
 
 def at_work() -> list[Worker]:
-    """Return all whose thread has begun."""
+    """Return all workers with a thread."""
     with _lock:
         return [*_at_work]
 
@@ -171,7 +171,7 @@ def at_work() -> list[Worker]:
 def close_all() -> None:
     """Close all workers: threads in native code must not outlive Python."""
     workers = at_work()
-    for worker in workers:  # all are told before one is waited for
+    for worker in workers:  # all must end, before the first wait
         worker.close(0)
     end = time.monotonic() + _LAST_PATIENCE
     for worker in workers:
@@ -179,7 +179,7 @@ def close_all() -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    # Their threads are the parent's; another one of them may have had the lock.
+    # The threads belong to the parent process, and one of them may have held the lock.
     os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release)
     os.register_at_fork(after_in_child=_at_work.clear)
     os.register_at_fork(after_in_child=_lock.release)
@@ -201,7 +201,7 @@ class Beside:
         return self._thread is not None
 
     def begin(self, compute: Callable[[], T], take: Callable[[T | None], None]) -> None:
-        """Compute something; `take` gets it, or None where a mistake of ours was reported."""
+        """Compute something; pass the result to `take`, or None after an internal error."""
 
         def work() -> None:
             result = self._worker.guarded(compute)
@@ -215,6 +215,6 @@ class Beside:
         self._thread.start()
 
     def wait(self, timeout: float | None = None) -> None:
-        """Wait until nothing is computed; any thread may call this (None: as long as it takes)."""
+        """Wait for the end of the computation; any thread may call this (None = no timeout)."""
         if (thread := self._thread) is not None:
             thread.join(timeout)

@@ -1,4 +1,4 @@
-"""What users hold of the panel of a run: `panel` opens one, `Panel` is its remote control."""
+"""The public handle of a run's panel: `panel` opens one, `Panel` is its remote control."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from robsim.teach.tasks import Task
 
 
-_PATIENCE = 0.5  # s with a command, before the panel is asked whether it will ever be done
+_PATIENCE = 0.5  # s with a command, before checking whether it can ever end
 
 
 def panel(
@@ -45,44 +45,44 @@ def panel(
 ) -> Panel:
     """Open the panel of a run: camera view, controls, traces, callbacks.
 
-    In a notebook it is shown as the last line of a cell, and runs beside other cells. In a script
-    `Panel.open` shows it in a browser window; without Python, ``robsim gui`` does.
+    In a notebook, the last line of a cell shows the panel, which runs beside other cells. In a
+    script, `Panel.open` shows it in a browser window; in a shell, ``robsim gui`` does.
 
     Parameters
     ----------
     what : Simulation, Experiment, Recording, Trace or Session
-        What the panel runs and shows. A simulation or an experiment belongs to it until it is
-        closed: pause before you look at its frames or change it. The panel ends a call of a
-        callback after 30 s, unless the run has a `time_limit`. A recording is measured frame by
-        frame; a trace or a session is played back.
+        The run to show. The panel owns a simulation or an experiment until the panel is closed:
+        pause before you look at its frames or change it. The panel ends a call of a callback
+        after 30 s, unless the run has a `time_limit`. A recording is measured frame by frame; a
+        trace or a session is played back.
     speed : float, optional
-        Multiple of real time, above 0; ``float("inf")`` = as fast as it goes. A live camera sets
-        the pace itself. Default: 5, or as it is if the panel is open.
+        Multiple of real time, above 0; ``float("inf")`` = as fast as possible. A live camera sets
+        its own speed. Default: 5, or the current speed of an open panel.
     goals : array_like (2,), (3,) or (N, 2), optional
-        Where the robot is to go, drawn in the picture of a panel that is made: a position, a pose,
-        or the waypoints of a path (work-area px). Default: `goals` of the task.
+        The robot's goal, drawn in the picture of a new panel: a position, a pose, or the waypoints
+        of a path (work-area px). Default: `goals` of the task.
     task : Task, optional
-        The task of a simulation, such as ``task.simulation()``: a panel that is made shows its
-        score during the run, and the best score of this machine.
+        The task of a simulation, such as of ``task.simulation()``: a new panel shows its score
+        during the run, and the best score on this machine.
 
     Returns
     -------
     Panel
-        The panel. The same one if `what` has one that is open.
+        The panel. If `what` has an open panel, the same one.
 
     Raises
     ------
     TypeError, ValueError
         If an argument has the wrong type, or is out of range; the message names it.
     RuntimeError
-        If `what` is running already, such as in another thread.
+        If `what` is already running, such as in another thread.
 
     Notes
     -----
-    A notebook needs ``pip install "robsim[notebook]"``. Saved, it keeps a recent picture of the
-    panel, for readers without Python. JupyterLab and Jupyter Notebook 7 show the panel at full
-    speed. Colab delivers a few pictures a second. VS Code loads a part of its widgets from the
-    internet, and asks you once. Where the panel does not appear, ``panel.open()`` and
+    A notebook needs ``pip install "robsim[notebook]"``. A saved notebook contains a recent picture
+    of the panel, for readers without Python. JupyterLab and Jupyter Notebook 7 show the panel at
+    full speed. Colab delivers a few pictures per second. VS Code loads a part of its widgets from
+    the internet, after your permission. If the panel does not appear, ``panel.open()`` and
     ``robsim gui`` show it in a browser window.
 
     Examples
@@ -94,7 +94,7 @@ def panel(
     >>> panel
     <robsim.gui.Panel: Simulation, paused at the start>
 
-    In the next one, while it is shown:
+    In the next cell, while the panel is shown:
 
     >>> step = panel.step()
     >>> panel.trace.seen
@@ -119,7 +119,7 @@ def _check_task(task: Any, what: Any) -> None:
 
     check_task(task)
     if not isinstance(what, Simulation):
-        raise TypeError(f"task needs a Simulation as `what`, got {quoted(what)}")
+        raise TypeError(f"task requires a Simulation as `what`, got {quoted(what)}")
 
 
 def is_shown(what: Shown) -> bool:
@@ -135,14 +135,14 @@ def _panel_of(what: Shown) -> Panel | None:
 class Panel(HostedPanel):
     """The panel of a run; `robsim.panel` makes it.
 
-    Its methods do what its buttons do, and return when it is done, between two steps: after
-    `pause` the simulation may be looked at, and its callbacks may be set. Any thread may call them,
-    and `trace` may be read while the run goes on. A context closes the panel at its end.
+    Its methods do the same as its buttons, and return after completion, between two steps. After
+    `pause` you may look at the simulation and set its callbacks. Any thread may call them, and read
+    `trace` during the run. A context closes the panel at its end.
 
     Examples
     --------
-    In a script, ``panel.open()`` shows it in a browser window, and ``panel.wait()`` waits for the
-    end of that window. Without a window:
+    In a script, ``panel.open()`` shows the panel in a browser window, and ``panel.wait()`` waits
+    until that window is closed. Without a window:
 
     >>> sim = robsim.Simulation(control=robsim.DriveAround(), measure=True, seed=1)
     >>> with robsim.panel(sim) as panel:
@@ -162,19 +162,19 @@ class Panel(HostedPanel):
         self._view = PanelView(what, speed=speed, goals=goals, task=task)
         super().__init__()
 
-    # What it does.
+    # Commands.
 
     def start(self) -> None:
-        """Run on, until something ends it."""
+        """Run until a pause, an error or the end."""
         self._do(self._view.driver.start())
 
     def pause(self) -> None:
-        """Stop after the step under way; the robot of an experiment is stopped."""
+        """Stop after the current step; in an experiment, also stop the robot."""
         if self.state != "closed":
             self._do(self._view.driver.pause())
 
     def step(self) -> Step:
-        """Pause, and do one step.
+        """Pause, and run one step.
 
         Returns
         -------
@@ -184,19 +184,19 @@ class Panel(HostedPanel):
         Raises
         ------
         Exception
-            Any exception of a callback, as from `Simulation.step`.
+            Any exception of a callback, like `Simulation.step`.
         """
         self._do(self._view.driver.step())
         self._raise_error()
         return self.last_step
 
     def step_stage(self) -> str:
-        """Pause, and do one stage of a step.
+        """Pause, and run one stage of a step.
 
         Returns
         -------
         str
-            The stage that comes next.
+            The next stage.
 
         Raises
         ------
@@ -208,7 +208,7 @@ class Panel(HostedPanel):
         return self._view.runner.stage
 
     def reset(self) -> None:
-        """Pause, and go back to the start."""
+        """Pause, and return to the start."""
         self._do(self._view.driver.reset())
         self._raise_error()
 
@@ -218,14 +218,14 @@ class Panel(HostedPanel):
         Raises
         ------
         ValueError
-            If there are not enough steps in which the robot was seen.
+            If the robot was seen in too few steps.
         """
         self._check_open()
         self._view.finish()
         self.pause()
-        return deepcopy(self._view.estimate())  # the panel's own stays as it is
+        return deepcopy(self._view.estimate())  # the caller may change the copy
 
-    # What it tells.
+    # State.
 
     @property
     def state(self) -> State:
@@ -234,12 +234,12 @@ class Panel(HostedPanel):
 
     @property
     def error(self) -> BaseException | None:
-        """What ended the run if `state` is ``"failed"``."""
+        """The exception that ended the run if `state` is ``"failed"``."""
         return self._view.driver.error
 
     @property
     def speed(self) -> float:
-        """Multiple of real time; inf = as fast as it goes. It can be set."""
+        """Multiple of real time; inf = as fast as possible. Assign to change it."""
         return self._view.driver.speed
 
     @speed.setter
@@ -254,12 +254,12 @@ class Panel(HostedPanel):
 
     @property
     def trace(self) -> Trace:
-        """All steps up to now; the run may go on meanwhile."""
+        """All steps so far; the run may continue meanwhile."""
         return self._view.record.trace
 
     @property
     def tool(self) -> RobotPanel | ColorPanel | None:
-        """The tool that is open in it, by Define Robot or Train Camera."""
+        """The open tool of the panel, after Define Robot or Train Camera."""
         return self._view.tools.tool
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -275,9 +275,9 @@ class Panel(HostedPanel):
         OSError
             If the file cannot be written.
         TypeError, ValueError
-            If `path` is no path, or its suffix names no known format.
+            If `path` is not a path, or its suffix names no known format.
         """
-        file, _ = images.image_file(path)  # it takes seconds to draw
+        file, _ = images.image_file(path)  # drawing takes seconds
         images.save_image(file, np.asarray(Image.open(BytesIO(self.snapshot())).convert("RGB")))
 
     def __repr__(self) -> str:
@@ -285,7 +285,7 @@ class Panel(HostedPanel):
         where = f"at step {steps - 1}" if steps else "at the start"
         return f"<robsim.gui.Panel: {what}, {self.state} {where}>"
 
-    # How.
+    # Internals.
 
     @property
     def _is_closed(self) -> bool:
@@ -293,16 +293,16 @@ class Panel(HostedPanel):
 
     @property
     def _is_saved(self) -> bool:
-        """Whether it plays back a run that is in a file."""
+        """Whether the panel plays back a run from a file."""
         return isinstance(self._what, (Trace, Session))
 
     def _pause_soon(self, timeout: float = AT_EXIT) -> None:
         futures.wait([self._view.driver.pause()], timeout)  # a callback may hang
 
     def _do(self, command: Future[Any]) -> None:
-        """Wait for a command, but not in a callback, which it waits for.
+        """Wait for a command; raise in a callback, because the command waits for the callback.
 
-        TimeoutError: a callback that cannot be ended keeps it waiting.
+        TimeoutError: the command waits for a callback that cannot be ended.
         """
         if self._view.driver.is_here:
             return

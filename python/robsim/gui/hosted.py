@@ -1,4 +1,4 @@
-"""What all panels have in common: a page, a place below a cell, a picture, an end."""
+"""The base of all panels: a page, a place below a cell, a picture, an end."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from robsim.gui._view import View
 if TYPE_CHECKING:
     from robsim.gui.hosts.page import Page
 
-_PATIENCE = 3.0  # s that a page may be away, such as while it is loaded anew
-#: s for each panel to end, when Python does.
+_PATIENCE = 3.0  # s that a page may be disconnected, such as while reloading
+#: s for each panel to end, when Python ends.
 AT_EXIT = 1.0
 
-#: All that are open, with the lock that is held to look.
+#: All open panels; hold the lock to read them.
 opened: list[HostedPanel] = []
 lock = threading.RLock()
 
 
 class HostedPanel(Closing, ABC):
-    """A panel that a page or a notebook shows; what it does itself is a subclass's."""
+    """A panel shown by a page or a notebook; subclasses add its functions."""
 
-    #: What makes another one, for messages.
+    #: The function that creates another panel, for messages.
     _maker: ClassVar[str]
     _view: View
 
@@ -46,16 +46,16 @@ class HostedPanel(Closing, ABC):
     @property
     @abstractmethod
     def _is_closed(self) -> bool:
-        """Whether it has ended."""
+        """Whether the panel has ended."""
 
     @abstractmethod
     def _pause_soon(self) -> None:
-        """Pause what runs, without waiting for long."""
+        """Pause the run, without waiting for long."""
 
-    # What it does.
+    # Actions.
 
     def close(self) -> None:
-        """End the run's thread and the page; what is shown in a notebook stays as it is."""
+        """End the run's thread and the page; a notebook keeps the last picture."""
         self._close(timeout=5.0)
 
     def _close(self, timeout: float) -> None:
@@ -68,65 +68,65 @@ class HostedPanel(Closing, ABC):
             page.close()
 
     def snapshot(self) -> bytes:
-        """Return a picture of what it shows, a PNG."""
+        """Return a picture of the panel as PNG."""
         return self._view.snapshot()
 
     def message(self, kind: str, **fields: Any) -> list[dict[str, Any]]:
-        """Do what the page asks for when the mouse does something there, and wait for its end.
+        """Send the panel a message like a mouse action in the page, and wait for its completion.
 
-        What is computed beside the panel, such as how well colours would do in other light, or
-        where floor sheets are, comes later.
+        Results computed in other threads come later, such as a colour score or the positions of
+        floor sheets.
 
         Parameters
         ----------
         kind : str
-            Type of the message, such as ``"press"``. ``robsim/gui/PROTOCOL.md`` lists all that a
-            browser may send.
+            Type of the message, such as ``"press"``. ``robsim/gui/PROTOCOL.md`` lists all messages
+            of a browser.
         **fields
             Its fields, such as ``button="step"``: numbers, texts, lists or None.
 
         Returns
         -------
         list of dict
-            What the panel answers, without pictures, such as ``tree`` to ``inspect``; often
-            nothing. A callback that fails does not make this fail: `Panel.error` has it.
+            The answers of the panel, without pictures, such as ``tree`` to ``inspect``; often none.
+            A failing callback does not make this fail: see `Panel.error`.
 
         Raises
         ------
         RuntimeError
             If the panel is closed.
         TypeError, ValueError
-            If there is no such message, or what it asks for is refused; the text says why.
+            If the message is unknown or refused; the text gives the reason.
         """
         self._check_open()
         return answers_to(self._view, kind, fields)
 
-    # Where it is shown.
+    # Page.
 
     @property
     def url(self) -> str:
-        """The address of its page, for browsers on this machine; it holds a secret."""
+        """The address of its page, for browsers on this machine; the address contains a secret."""
         return self._serve().url
 
     def open(self, *, port: int = 0) -> None:
-        """Show it in a window of the browser, beside a notebook or without one.
+        """Show the panel in a browser window, beside a notebook or without one.
 
         Parameters
         ----------
         port : int
-            Where its page is served, on this machine alone; 0 = any port that is free.
+            Port of the page's server, only for this machine; 0 = any free port.
 
         Raises
         ------
         OSError
-            If the port cannot be used.
+            If the port is unavailable.
         TypeError, ValueError
-            If `port` is no port.
+            If `port` is not a port number.
 
         Warns
         -----
         UserWarning
-            If there is no browser that could be started: it tells the address.
+            If no browser could be started; the warning contains the address.
         """
         page = self._serve(port)
         if not page.open():
@@ -135,10 +135,10 @@ class HostedPanel(Closing, ABC):
     def wait(self) -> None:
         """Wait until its page has been opened, and closed again.
 
-        For the end of a script, which otherwise ends its panels. Ctrl-C pauses what runs, and ends
-        the wait; so does `close` in another thread.
+        Use this at the end of a script, which would otherwise end its panels. Ctrl-C pauses the
+        run, and ends the wait; `close` in another thread ends it, too.
         """
-        page = self._page or self._serve()  # one that has ended is not begun again
+        page = self._page or self._serve()  # an ended page is not started again
         try:
             page.wait(_PATIENCE)
         except KeyboardInterrupt:
@@ -163,7 +163,7 @@ class HostedPanel(Closing, ABC):
         except ImportError:
             print(
                 f'{self!r}\nTo see it here: pip install "robsim[notebook]", then restart the kernel'
-                " and reload the page.\nOr in a browser window of its own: "
+                " and reload the page.\nOr in a browser window: "
                 f"{self._maker}(...).open()"
             )
         else:
@@ -174,30 +174,30 @@ class HostedPanel(Closing, ABC):
         picture = base64.b64encode(self.snapshot()).decode()
         return {"text/plain": repr(self), "image/png": picture}
 
-    # How.
+    # Internals.
 
     def _leave_cell(self) -> None:
-        """Close it, if no cell shows it any more, unless its page does."""
+        """Close the panel if it has neither a cell nor a page."""
         if self._page is None or not self._page.pages:
             self.close()
 
     def _check_open(self) -> None:
         if self._is_closed:
-            raise RuntimeError(f"the panel is closed: {self._maker} opens another one")
+            raise RuntimeError(f"the panel is closed; {self._maker} opens another one")
 
 
 @atexit.register
 def _close_all() -> None:
-    """End all threads while there still is a Python for them."""
+    """End all threads before Python ends."""
     for one in [*opened]:
         one._close(AT_EXIT)
     if sys.stdout is not None:
-        with suppress(OSError, ValueError):  # it may be closed
-            sys.stdout.flush()  # in a kernel this waits until all before it is sent
+        with suppress(OSError, ValueError):  # the stream may be closed
+            sys.stdout.flush()  # in a kernel, this waits for all earlier output
 
 
 def _end_before_zmq() -> None:
-    """Let panels end before the part of zmq that sends large messages: last come, first to go."""
+    """End panels before zmq's part for large messages: exit functions run in reverse order."""
     with suppress(ImportError):
         importlib.import_module("zmq.utils.garbage")
     atexit.unregister(_close_all)
@@ -205,14 +205,14 @@ def _end_before_zmq() -> None:
 
 
 def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Handle a message, return the answers of the view; TypeError, ValueError: it is refused."""
+    """Handle a message, and return the view's answers; TypeError, ValueError: refused."""
     from robsim.base.checks import check_choice  # loads numpy
 
     check_choice("kind", kind, tuple(view.messages))
     line = _Answers()
     ends_call = kind == "press" and fields.get("button") in ("end", "stop")
-    settle = partial(View.settle, view) if ends_call else view.settle  # waits for no callback
-    settle()  # a tool has its first picture, if there is one
+    settle = partial(View.settle, view) if ends_call else view.settle  # does not wait for callbacks
+    settle()  # waits for the first picture of a tool
     view.receive(line, {"type": kind, "id": "caller", **_as_sent(fields)})
     settle()
     for head in line.heads:
@@ -222,7 +222,7 @@ def answers_to(view: View, kind: str, fields: Mapping[str, Any]) -> list[dict[st
 
 
 def _as_sent(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return fields as a browser would send them."""
+    """Return fields in the form sent by a browser."""
     try:
         sent: dict[str, Any] = json.loads(json.dumps(fields))
     except TypeError as error:  # such as an array
@@ -231,7 +231,7 @@ def _as_sent(fields: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class _Answers(Link):
-    """A line that nobody watches: it gets what is said to it alone, and neither frames nor news."""
+    """A link without a view: it receives only direct answers, no frames and no broadcasts."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""The newest runs, in files of the user's folder."""
+"""The newest runs, saved in the user's folder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _MOST_RUNS = 10
 
 
 def keep(suffix: str, write: Callable[[Path], object]) -> Path:
-    """Write a file among the newest ones, and remove older ones; OSError: it is not written."""
+    """Write a file to the newest ones, and remove older ones; OSError if writing fails."""
     folder = data_folder() / "runs"
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S-%f}{suffix}"

@@ -1,4 +1,4 @@
-"""The public names of the wing. The first use of a name loads all; the start page loads none."""
+"""The public names of the GUI. The first use loads everything; the start page does not."""
 
 from robsim.gui.facade import Panel, panel
 from robsim.gui.replays import replay

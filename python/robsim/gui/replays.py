@@ -1,4 +1,4 @@
-"""`replay`: a shared run, run again in a panel."""
+"""`replay`: rerun a shared run in a panel."""
 
 from __future__ import annotations
 
@@ -23,34 +23,34 @@ from robsim.simulation import Scenario, Simulation
 
 
 def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
-    """Run a shared run again, and return its panel, paused at the last step.
+    """Rerun a shared run, and return its panel, paused at the last step.
 
     Parameters
     ----------
     path : path
-        A replay file, as *Share* of a panel gives it.
+        A replay file, made by *Share* in a panel.
     trust : bool
-        Run the Python code that the file carries, with your rights. Default: a file with code is
-        refused before anything of it runs.
+        Whether to run the Python code in the file, with your rights. Default: a file with code
+        is refused before any of its code runs.
 
     Returns
     -------
     Panel
-        The panel; its run can go on. The files of the callbacks are in a temporary folder, which
+        The panel; its run can continue. The callbacks' files are in a temporary folder, which
         is removed with the panel.
 
     Raises
     ------
     PermissionError
-        If the file carries code, and `trust` is false; the message names the code.
+        If the file contains code, and `trust` is false; the message names the code.
     TypeError, ValueError, OSError
-        If it is no replay file, or cannot be read.
+        If the file is not a replay file, or cannot be read.
 
     Warns
     -----
     UserWarning
-        If the run came out differently: another version of robsim or of numpy, or callbacks that
-        depend on the clock, on other files, or on random numbers beyond the seed.
+        If the result differs from the original run. Reasons: another version of robsim or numpy,
+        or callbacks that depend on the clock, on other files, or on unseeded random numbers.
 
     Examples
     --------
@@ -61,14 +61,14 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
     if file.code and not trust:
         named = ", ".join(f"{name} ({lines} lines)" for name, lines in file.code.items())
         raise PermissionError(
-            f"{one_line(path)} carries Python code, which would run with your rights: {named}; "
-            "read it, then give trust=True, in the shell --trust"
+            f"{one_line(path)} contains Python code, which would run with your rights: {named}; "
+            "read the code, then pass trust=True, in the shell --trust"
         )
     return run_again(file)
 
 
 def run_again(file: ReplayFile) -> Panel:
-    """Run a file that was read, with its code; see `replay`."""
+    """Rerun a loaded file, with its code; see `replay`."""
     folder = Path(mkdtemp(prefix="robsim-replay-"))  # the panel shows and edits its files
     with ExitStack() as undo:
         undo.callback(rmtree, folder, ignore_errors=True)
@@ -77,7 +77,7 @@ def run_again(file: ReplayFile) -> Panel:
         undo.pop_all()
     weakref.finalize(panel, rmtree, folder, ignore_errors=True)
     if digest_of(panel._view.record.columns()) != file.digest:
-        warn_user("the run came out differently: see the notes of robsim.gui.replay")
+        warn_user("the rerun differs from the original run; see the warnings in robsim.gui.replay")
     return panel
 
 
@@ -101,7 +101,7 @@ def _run_again(view: PanelView, file: ReplayFile) -> None:
     def go_to(k: int, stage: str) -> None:
         if k > runner.n_steps:
             runner.run(1)
-            view.share.take(runner.last_step)  # notes files that were changed before that step
+            view.share.take(runner.last_step)  # notes changes of files before that step
             runner.run(k - runner.n_steps)
             view.share.take(runner.last_step)
         while runner.stage != stage and runner.n_steps == k:

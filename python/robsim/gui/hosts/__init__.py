@@ -1,1 +1,1 @@
-"""Where panels are shown: a notebook, a page on this machine."""
+"""The hosts of panels: a notebook, or a page on this machine."""

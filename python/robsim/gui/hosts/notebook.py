@@ -1,4 +1,4 @@
-"""The host in notebooks: one anywidget, used as a line for messages, and a picture that stays."""
+"""The host in notebooks: an anywidget as a link for messages, and a still picture."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from robsim.gui.hosts.script import script, style
 
 if TYPE_CHECKING:
     from robsim.gui.hosted import HostedPanel
-_MOST_LATE = 3  # grants in a row, until messages are no longer sent by themselves
-_POLL = 100  # ms between two questions whether there are messages
-_FIRST_TRY = 5.0  # s, then twice as long, and so on: do they come by themselves again?
-_MOST_WAITING = 200  # messages; whoever does not come for them is gone
-#: Cell -> what it shows: the run of the cell, the panel, its line. A panel that is closed goes.
+_MOST_LATE = 3  # consecutive grants before switching to polling
+_POLL = 100  # ms between two polls for messages
+_FIRST_TRY = 5.0  # s before the first retry without polling, then doubled.
+_MOST_WAITING = 200  # messages; a view that does not poll is gone
+#: Cell -> execution, panel and link of its output. Closed panels are removed.
 _cells: dict[str, list[tuple[str, weakref.ref[HostedPanel], NotebookLink]]] = {}
 
 
 def show(panel: HostedPanel) -> None:
-    """Show a panel below the cell that runs: the widget, and a picture for readers without it."""
+    """Show a panel below the running cell: the widget, and a picture for readers without Python."""
     shell = get_ipython()
     if not hasattr(shell, "kernel"):
         print(f"{panel!r}\nA terminal cannot show it; {panel._maker}(...).open() opens a window")
@@ -47,7 +47,7 @@ def show(panel: HostedPanel) -> None:
 
 
 def _replace(parent: Mapping[str, Any], panel: HostedPanel, link: NotebookLink) -> None:
-    """Note what a cell shows; what an earlier run of it showed is closed."""
+    """Note the output of a cell; close the panel of its previous execution."""
     cell = parent.get("metadata", {}).get("cellId")
     if cell is None:
         return
@@ -63,14 +63,14 @@ def _replace(parent: Mapping[str, Any], panel: HostedPanel, link: NotebookLink) 
 
 
 def _after_cell(result: Any) -> None:
-    """Pause when the user interrupts a cell: no other signal reaches a kernel."""
+    """Pause when the user interrupts a cell: a kernel receives no other signal."""
     if isinstance(result.error_in_exec, KeyboardInterrupt):
         pause_all()
 
 
 def _display(data: dict[str, Any], metadata: Any = None, **options: Any) -> None:
-    """Show something below the cell that runs, or in place of an earlier output; any thread may."""
-    if (shell := get_ipython()) is not None:  # the kernel ends
+    """Show data below the running cell, or replace an earlier output; any thread may call this."""
+    if (shell := get_ipython()) is not None:  # no shell while the kernel ends
         shell.display_pub.publish(data=data, metadata=metadata, **options)
 
 
@@ -83,17 +83,17 @@ class _Pipe(anywidget.AnyWidget):
     _esm = script()
     _css = style()
     kind = traitlets.Unicode().tag(sync=True)
-    still = traitlets.Unicode().tag(sync=True)  # the name of the picture that it hides
+    still = traitlets.Unicode().tag(sync=True)  # name of the picture hidden by the widget
 
 
 class NotebookLink(Link):
-    """The line to a widget.
+    """The link to a widget.
 
-    Where messages of background threads are not delivered, as in Colab, they wait for the handler
-    of the next message from the browser, which asks for them (`polled` in PROTOCOL.md), until it
-    says hello since one has come by itself.
+    Colab does not deliver messages of background threads. There, messages wait for the handler of
+    the next message from the browser, which polls (`polled` in PROTOCOL.md). Polling ends when the
+    browser receives a message without a poll, and says hello.
 
-    ipywidgets keeps the widget of a cell's output, and so the line, but not a view that is closed.
+    ipywidgets keeps the widget of a cell's output, and so the link, but not a closed view.
     """
 
     is_in_notebook = True
@@ -102,8 +102,8 @@ class NotebookLink(Link):
     def __init__(self, view: View, text: str = "") -> None:
         super().__init__()
         self._view, self._text = weakref.ref(view), text
-        self._still = uuid.uuid4().hex  # known before the widget is shown
-        self._waiting: deque[tuple[dict[str, Any], Buffers]] | None = None  # if polled
+        self._still = uuid.uuid4().hex  # needed before the widget is shown
+        self._waiting: deque[tuple[dict[str, Any], Buffers]] | None = None  # set if polling
         self._delivering = threading.RLock()
         self._next_try, self._try_gap = 0.0, _FIRST_TRY  # (s)
         self.widget = _Pipe(kind=view.kind, still=self._still)
@@ -111,7 +111,7 @@ class NotebookLink(Link):
         view.connect(self)
 
     def display(self, draw: Callable[[], bytes]) -> None:
-        """Show the widget, and below it a picture, which it hides while it lives."""
+        """Show the widget, and below it a picture, which the widget hides while it lives."""
         data, metadata = self.widget._repr_mimebundle_() or ({}, {})
         _display({**data, "text/plain": self._text}, metadata)
         self._publish(draw())
@@ -120,7 +120,7 @@ class NotebookLink(Link):
         self._publish(picture, update=True)
 
     def close(self) -> None:
-        """End the line; what the widget shows is gone with its cell's output."""
+        """End the link; the widget disappears with its cell's output."""
         if (view := self._view()) is not None:
             view.disconnect(self)
         self.widget.close()
@@ -143,7 +143,7 @@ class NotebookLink(Link):
     def greet(self, view: str) -> None:
         with self._delivering:
             self._deliver()
-            self._waiting = None  # until it turns out that nothing comes by itself
+            self._waiting = None  # until polling proves necessary
         super().greet(view)
 
     def grant(self, view: str, upto: int, *, late: bool = False) -> None:
@@ -154,20 +154,20 @@ class NotebookLink(Link):
 
     def _receive(self, widget: object, message: Any, buffers: Buffers) -> None:
         if (view := self._view()) is not None:
-            view.receive(self, message, [bytes(one) for one in buffers])  # copies of memoryviews
+            view.receive(self, message, [bytes(one) for one in buffers])  # copies memoryviews
         else:
             self.late(message)
         self._deliver()
 
     def _deliver(self) -> None:
-        with self._delivering:  # one after another, whichever thread sends them
+        with self._delivering:  # one after another, from any thread
             while self._waiting:
                 self._send(*self._waiting.popleft())
 
     def _send(self, head: Mapping[str, Any], buffers: Buffers) -> None:
         self.widget.send(dict(head), list(buffers))
-        # ipykernel 7 answers on the (sub)shell that sent last, and counts a thread as the main
-        # one, which a running cell blocks. The browser chooses one that is not blocked.
+        # ipykernel 7 answers on the (sub)shell that sent last, and counts a thread as the main one,
+        # which a running cell blocks. The browser chooses a free shell.
         comm: Any = self.widget.comm
         if comm is not None:
             vars(comm).pop("_reply_subshell_id", None)

@@ -1,4 +1,4 @@
-"""The host without a notebook: a page on loopback, with a server in a thread of its own."""
+"""The host without a notebook: a page on loopback, with a server in a separate thread."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from robsim.gui._view import View
 from robsim.gui.hosts.serving import Server, Socket
 from robsim.gui.hosts.ticket import Ticket, stranger
 
-_GOODBYE = 0.5  # s for pages to take leave when the server ends
-_COMING = 60.0  # s for a page to come once its address was used
+_GOODBYE = 0.5  # s for pages to disconnect when the server ends
+_COMING = 60.0  # s for a page to connect after its address was used
 
 
 class Page:
@@ -29,15 +29,15 @@ class Page:
         self.view = view
         self.secret = secrets.token_urlsafe(18)
         self.ticket: Ticket | None = None
-        self.fault = ""  # that has ended it
+        self.fault = ""  # reason for its end
         self._listening = _listen(port)
         self.port: int = self._listening.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}/{self.secret}/"
         self.pages: set[Socket] = set()
         self._change = threading.Condition()
-        self._left: float | None = None  # when the last page went
+        self._left: float | None = None  # when the last page disconnected
         self._coming: asyncio.TimerHandle | None = None  # ends the wait for a page
-        self._strangers: set[str] = set()  # that were refused
+        self._strangers: set[str] = set()  # refused users
         self._saying = threading.Thread()  # the latest message
         started: Future[None] = Future()
         self._thread = threading.Thread(
@@ -47,9 +47,9 @@ class Page:
         started.result()
 
     def open(self) -> bool:
-        """Show it in the user's browser; return whether there is one.
+        """Show the page in the user's browser; return whether a browser was started.
 
-        Other users can read what programs are called with: see `Ticket`.
+        Other users can read the arguments of programs: see `Ticket`.
         """
         if not _has_screen():
             return False
@@ -62,38 +62,38 @@ class Page:
         old.post(lambda: old.send({"type": "moved"}))
 
     def wait(self, patience: float) -> None:
-        """Wait until pages have come, and the last one has been gone for some seconds.
+        """Wait until pages have connected, and all have been gone for some seconds.
 
-        A page that is loaded anew, or has lost its line, is back before. Closing ends it, too.
+        A reloaded or reconnecting page returns within this time. Closing ends the wait, too.
         """
         with self._change:
             while self._thread.is_alive() and (
                 self._left is None or time.monotonic() < self._left + patience
             ):
-                self._change.wait(0.2)  # short: on Windows nothing else lets Ctrl-C in
+                self._change.wait(0.2)  # short, so that Ctrl-C works on Windows
         with suppress(RuntimeError):  # no message
             self._saying.join(_GOODBYE)
 
     def close(self) -> None:
-        """End the server; the view goes on."""
-        with suppress(RuntimeError):  # it has ended
+        """End the server; the view continues."""
+        with suppress(RuntimeError):  # the server has ended
             self._loop.call_soon_threadsafe(self._end.set)
         self._thread.join(5)
 
     # In the thread.
 
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
-        """Whether the peer may have the page; a second use of a ticket ends the page."""
+        """Whether the peer may load the page; a second use of a ticket ends the page."""
         if who := stranger(peer, ("127.0.0.1", self.port)):
             if who not in self._strangers:
                 self._strangers.add(who)
                 self._say(
-                    f"{who} tried to open your page, and was refused; "
-                    f"if your browser did not open it, go to {self.url}"
+                    f"{who} tried to open your page and was refused; "
+                    f"if your browser did not open the page, go to {self.url}"
                 )
             return False
         if ticket.is_used:
-            self._end_for("the address of the browser was used twice")
+            self._end_for("the browser's address was used twice")
             return False
         ticket.is_used = True
         if self._coming is not None:
@@ -103,15 +103,15 @@ class Page:
 
     def _has_come(self) -> None:
         if not self.pages:
-            self._end_for("the address of the browser was used, and no page came")
+            self._end_for("the browser's address was used, but no page connected")
 
     def _end_for(self, reason: str) -> None:
-        self.fault = f"{reason}: the page ends, as another user may have it"
+        self.fault = f"{reason}: the page ends because another user may have opened it"
         self._end.set()
         self._say(self.fault)
 
     def _say(self, text: str) -> None:
-        """Write to the terminal, which may take nothing, or only much later."""
+        """Write to the terminal, which may block."""
         self._saying = threading.Thread(
             target=_print, args=(text,), name="robsim message", daemon=True
         )
@@ -170,15 +170,18 @@ def _listen(port: int) -> socket.socket:
     try:
         listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:
-        reasons = {errno.EADDRINUSE: "another program has it", errno.EACCES: "it needs more rights"}
+        reasons = {
+            errno.EADDRINUSE: "another program uses it",
+            errno.EACCES: "more rights are required",
+        }
         reason = reasons.get(error.errno or 0, error.strerror)
-        raise OSError(f"port {port} cannot be used: {reason}; 0 = any that is free") from None
+        raise OSError(f"port {port} is unavailable: {reason}; use 0 for any free port") from None
     listening.setblocking(False)
     return listening
 
 
 def _has_screen() -> bool:
-    """Return whether a window can open: text browsers would take the terminal."""
+    """Return whether a window can open: text browsers would occupy the terminal."""
     if sys.platform in ("win32", "darwin"):
         return True
     return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))

@@ -1,8 +1,8 @@
-"""The module for the browser: the files of `static`, joined into one.
+"""The browser's module: the files of `static`, joined into one.
 
-Each file is an ES module, for editors and linters. A notebook loads the module from a blob, from
-where nothing can be imported: so the files are joined, each as a function with a scope of its own
-that returns what it exports. None may import another that imports it.
+Each file is an ES module, for editors and linters. A notebook loads the module from a blob,
+which cannot import files. So the files are joined: each becomes a function with its scope,
+which returns its exports. Circular imports are impossible.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ STATIC = Path(__file__).resolve().parents[1] / "static"
 
 _IMPORT = re.compile(r'^import ({[^;]*?}) from "([\w/.-]+)";\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=(?:async )?(?:class|const|function) (\w+))", re.MULTILINE)
-_DEFAULT = "export default "  # of view.js, for anywidget
+_DEFAULT = "export default "  # in view.js, for anywidget
 
 
 @functools.cache
 def script() -> str:
-    """Return the module, which has a default export for anywidget."""
+    """Return the module, with a default export for anywidget."""
     parts: dict[Path, str] = {}
     first = STATIC / "view.js"
     _collect(first, parts)
@@ -50,7 +50,7 @@ def page_script() -> str:
 
 
 def _collect(file: Path, parts: dict[Path, str]) -> None:
-    """Add a file, after those that it imports."""
+    """Add a file, after its imports."""
     if file in parts:
         return
     text = file.read_text("utf-8")
@@ -71,5 +71,5 @@ def _imported(file: Path, match: re.Match[str]) -> Path:
 
 
 def _scope(file: Path) -> str:
-    """Return the name of what a file exports, such as ``charts_axis``."""
+    """Return the variable with the exports of a file, such as ``charts_axis``."""
     return "_".join(file.relative_to(STATIC).with_suffix("").parts)

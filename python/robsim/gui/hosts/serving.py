@@ -1,4 +1,4 @@
-"""What the page's server answers, and to whom: the files of the page, and the line to it."""
+"""The page's server and its access rules: the files of the page, and the link to it."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from robsim.gui.hosts.ticket import Ticket
 
 MOST_BYTES = 1 << 20  # of a message from the browser
 _MOST_PAGES = 16
-_MOST_REQUESTS = 64  # connections that are no open page
-_PATIENCE = 10.0  # s for a request to come in, and between two
+_MOST_REQUESTS = 64  # connections other than open pages.
+_PATIENCE = 10.0  # s for a request to arrive, and between two requests.
 _PING = 20.0  # s
 _MUCH_BEHIND = 1 << 22  # bytes
-_MOST_BEHIND = 1 << 25  # bytes that a slow page may be behind before it is cut off; it comes back
+_MOST_BEHIND = 1 << 25  # bytes of backlog before a slow page is disconnected; it reconnects
 _HEADERS = {
     "Cache-Control": "no-store",
     "Referrer-Policy": "no-referrer",
@@ -50,11 +50,11 @@ _PAGE = """<!doctype html>
 <body class="robsim-page" data-kind="{kind}">
 <script type="module" src="page.js"></script>
 """
-_REFUSED = "This address works once, for one user. The program that serves the page tells another."
+_REFUSED = "This address works once, for one user. The program that serves the page has another."
 
 
 class Host(Protocol):
-    """What the server is for: a view at a secret address, and the pages that show it."""
+    """The owner of a server: a view at a secret address, and the pages that show it."""
 
     view: View
     secret: str
@@ -63,20 +63,20 @@ class Host(Protocol):
     pages: set[Socket]
 
     def came(self, page: Socket) -> None:
-        """Note that a page shows it."""
+        """Note that a page has connected."""
 
     def went(self, page: Socket) -> None:
-        """Note that one has gone."""
+        """Note that a page has disconnected."""
 
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
-        """Whether the peer may have the page for a ticket."""
+        """Whether the peer may load the page with a ticket."""
 
 
 class Server(tornado.httpserver.HTTPServer):
-    """An HTTP server whose connections are few, and must not dawdle."""
+    """An HTTP server with few connections and short timeouts."""
 
     def initialize(self, host: Host) -> None:  # type: ignore[override]  # as tornado has it
-        """Serve the files and the line of a host."""
+        """Serve the files and the link of a host."""
         self._requests: dict[tornado.iostream.IOStream, None] = {}  # the oldest first
         super().initialize(
             _application(host, self),
@@ -88,7 +88,7 @@ class Server(tornado.httpserver.HTTPServer):
         )
 
     def handle_stream(self, stream: tornado.iostream.IOStream, address: tuple[Any, ...]) -> None:
-        """Take a connection; if there are too many, the oldest gives way."""
+        """Take a connection; if there are too many, close the oldest."""
         for other in [other for other in self._requests if other.closed()]:
             del self._requests[other]
         while len(self._requests) >= _MOST_REQUESTS:
@@ -99,7 +99,7 @@ class Server(tornado.httpserver.HTTPServer):
         super().handle_stream(stream, address)
 
     def keep(self, stream: tornado.iostream.IOStream | None) -> None:
-        """Keep a connection, which is the line to a page now."""
+        """Keep a connection, which is now the link to a page."""
         if stream is not None:
             self._requests.pop(stream, None)
 
@@ -129,7 +129,7 @@ def _application(host: Host, server: Server) -> tornado.web.Application:
 
 
 class _At(tornado.routing.Matcher):
-    """A name below the secret, which is compared in a time that tells nothing."""
+    """A name below the secret, compared in constant time."""
 
     def __init__(self, secret: str, name: str) -> None:
         self._secret, self._name = secret.encode(), name
@@ -141,7 +141,7 @@ class _At(tornado.routing.Matcher):
 
 
 class _Guarded(tornado.web.RequestHandler):
-    """Answers pages of ours, and nobody else."""
+    """Answers only robsim's own pages."""
 
     def initialize(self, host: Host) -> None:
         self._host = host
@@ -159,7 +159,7 @@ class _Guarded(tornado.web.RequestHandler):
         self.finish()
 
     def _is_allowed(self) -> bool:
-        """Return whether it comes from a page of ours: from no rebound name, no other site."""
+        """Return whether the request is from robsim's page: no rebound name, no other site."""
         hosts = [f"{name}:{self._host.port}" for name in ("127.0.0.1", "localhost")]
         origins = [None, *(f"http://{host}" for host in hosts)]
         headers = self.request.headers
@@ -178,7 +178,7 @@ class _File(_Guarded):
 
 
 class _Other(_Guarded):
-    """Sends on to the page who has a ticket, and may have it."""
+    """Redirects a browser with a valid ticket to the page."""
 
     def prepare(self) -> None:
         super().prepare()
@@ -194,7 +194,7 @@ class _Other(_Guarded):
 
 
 class Socket(_Guarded, tornado.websocket.WebSocketHandler):
-    """The line to one page."""
+    """The link to one page."""
 
     def initialize(self, host: Host, server: Server) -> None:  # type: ignore[override]
         super().initialize(host)
@@ -209,7 +209,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
             raise tornado.web.HTTPError(503)
 
     def check_origin(self, origin: str) -> bool:
-        return True  # checked before
+        return True  # checked in `prepare`
 
     def open(self, *_: str, **__: str) -> None:
         assert self.ws_connection is not None
@@ -220,10 +220,10 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._host.came(self)
         self._view.connect(self._link)
         if self.get_query_argument("kind", self._view.kind) != self._view.kind:
-            self._link.send({"type": "moved"})  # the page was away when it did
+            self._link.send({"type": "moved"})  # the view moved while the page was disconnected
 
     def cut(self) -> None:
-        """Close the line at once, without a word."""
+        """Close the link at once, without a message."""
         if self._stream is not None:
             self._stream.close()
 
@@ -238,7 +238,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
 
 def unpacked_message(message: str | bytes) -> tuple[Any, Buffers]:
-    """Return what a message of a browser says, and its buffers; None = it says nothing."""
+    """Return the content of a browser's message, and its buffers; None = invalid."""
     try:
         if isinstance(message, str):
             return json.loads(message), ()
@@ -252,24 +252,24 @@ def _unpacked(packed: bytes) -> tuple[Any, Buffers]:
     head = json.loads(packed[4 : 4 + length])
     lengths = head.get("buffers") if isinstance(head, dict) else None
     if not isinstance(lengths, list) or any(type(one) is not int or one < 0 for one in lengths):
-        raise ValueError("the lengths of the buffers are not told")
+        raise ValueError("the lengths of the buffers are missing")
     at, buffers = 4 + length, []
     for length in lengths:
         buffers.append(packed[at : at + length])
         at += length + -length % 4
     if at != len(packed):
-        raise ValueError("the buffers have other lengths")
+        raise ValueError("the buffers have different lengths")
     return head, buffers
 
 
 class PageLink(Link):
-    """The line to one page, for the view."""
+    """The link to one page, for the view."""
 
     def __init__(self, socket: Socket, loop: asyncio.AbstractEventLoop) -> None:
         super().__init__()
         self._socket = socket
         self._loop = loop
-        self._behind = 0  # bytes that are not on their way yet
+        self._behind = 0  # bytes waiting to be sent
 
     @property
     def is_behind(self) -> bool:
@@ -293,7 +293,7 @@ class PageLink(Link):
     def _is_sent(self, done: asyncio.Future[None], length: int) -> None:
         self._behind -= length
         if not done.cancelled():
-            done.exception()  # looked at: the page has gone
+            done.exception()  # retrieved: the page has disconnected
 
 
 def packed_message(head: Mapping[str, Any], buffers: Buffers) -> bytes:

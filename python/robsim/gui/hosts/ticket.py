@@ -1,4 +1,4 @@
-"""The address that starts a browser: it leads to the page once, and only its user."""
+"""The address for starting a browser: it opens the page once, and only for its user."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ _ESTABLISHED = "01"  # see proc_pid_net(5); a closed socket has no user
 
 
 class Ticket:
-    """A word that leads to the page once: all users can read the arguments of a browser."""
+    """A word that opens the page once, because all users can read a browser's arguments."""
 
     def __init__(self) -> None:
         self.word = secrets.token_urlsafe(18)
         self.is_used = False
 
     def is_path(self, path: str) -> bool:
-        """Whether a path of the server is this word, compared in a time that tells nothing."""
+        """Whether a path of the server is this word, compared in constant time."""
         return secrets.compare_digest(path.removeprefix("/").encode(), self.word.encode())
 
 
 def stranger(peer: tuple[str, int], server: tuple[str, int]) -> str:
-    """Return the name of the peer of a server on loopback if it is another user; else nothing.
+    """Return the name of a server's peer on loopback if it is another user; otherwise "".
 
-    Only Linux reports it. macOS and Windows start the browser by a message, unseen by others.
+    Only Linux reports the user. macOS and Windows start the browser by a hidden message.
     """
     if sys.platform != "linux":
         return ""
@@ -48,6 +48,6 @@ def _user_of(*ends: str) -> int | None:
 
 
 def _as_listed(address: str, port: int) -> str:
-    """Return an address as Linux lists it, in its order of bytes; IPv6 ends alike."""
+    """Return an address in Linux's notation and byte order; the same for IPv6."""
     word = int.from_bytes(map(int, address.split(".")), sys.byteorder)
     return f"{word:08X}:{port:04X}"

@@ -1,1 +1,1 @@
-"""The start page: what there is to begin with."""
+"""The start page: cards that open a first run."""

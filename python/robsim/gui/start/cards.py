@@ -23,7 +23,7 @@ from robsim.teach.tasks import ParkTask, Task
 from robsim.vision.imaging.images import resized
 from robsim.vision.imaging.noise import GaussianNoise
 
-_AREA = (800, 800)  # px: the robot is large enough to be seen in a small picture
+_AREA = (800, 800)  # px: the robot is visible in a small picture
 _SEED = 4
 _STEPS, _EVERY, _SIDE = 144, 3, 280  # of a film: steps, steps for each picture, px
 _DRIVING: Any = {"area": _AREA, "seed": _SEED, "measure": True, "control": DriveAround()}
@@ -31,7 +31,7 @@ _DRIVING: Any = {"area": _AREA, "seed": _SEED, "measure": True, "control": Drive
 
 @dataclass(frozen=True)
 class Scene:
-    """A run, the messages that its panel gets at first, its task, and its resources."""
+    """A run with the initial messages to its panel, its task, and its resources."""
 
     what: Simulation | Experiment
     told: tuple[tuple[str, dict[str, Any]], ...] = ()
@@ -137,7 +137,7 @@ def _places(poses: Any) -> list[list[float] | None]:
 
 
 def _shares(errors: Floats) -> list[float]:
-    """Return the mean error of parameters (N, 15) at each step, as a share of the largest."""
+    """Return the mean error of parameters (N, 15) at each step, relative to the largest."""
     largest = np.nanmax(errors, axis=0, initial=0)
     shares = np.nan_to_num(errors[:, largest > 0] / largest[largest > 0], nan=1)
     return [] if not shares.size else [float(share) for share in shares.mean(axis=1).round(3)]

@@ -1,4 +1,4 @@
-"""The start page as a panel: one page, which shows the cards or what one of them has opened."""
+"""The start page as a panel: one page with the cards or the panel of a card."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 class Start(HostedPanel):
-    """The start page; its page turns into the panel of a card, and back."""
+    """The start page; the page changes into the panel of a card, and back."""
 
     _maker = "robsim gui"
     _view: StartView
 
     def __init__(self, keep: Callable[[Panel], None] = lambda panel: None) -> None:
-        self._keep = keep  # the run of a card, before another one is opened
+        self._keep = keep  # saves the run of a card before opening another
         self._view = StartView(self._open_card, self._resume, self._kept)
         self._panel: Panel | None = None
         self._has_ended = False
@@ -30,7 +30,7 @@ class Start(HostedPanel):
 
     @property
     def panel(self) -> Panel | None:
-        """The panel of the card that was opened last."""
+        """The panel of the last opened card."""
         return self._panel
 
     @property
@@ -85,5 +85,5 @@ class Start(HostedPanel):
             self._page.show(self._view)
 
     def _kept(self) -> str:
-        """Return the number of steps of the run that the page can go back to; empty: no run."""
+        """Return the number of steps of the kept run; empty without a run."""
         return "" if self._panel is None else str(self._panel._view.record.n_steps)

@@ -1,4 +1,4 @@
-"""The view of the start page: it opens the run of a card, and sends a film of each."""
+"""The view of the start page: it opens the run of a card, and sends films of the cards."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CARDS = ("drive", "noise", "identify", "estimate", "task", "laboratory")
 
 
 class StartView(View):
-    """Cards; `open_card` opens one. `kept` returns the number of steps of a run that is kept."""
+    """Cards; `open_card` opens one. `kept` returns the number of steps of the kept run."""
 
     kind: ClassVar[str] = "start"
     messages: ClassVar[Messages] = {**COMMON, "open": {"card": text}, "resume": {}}
@@ -45,7 +45,7 @@ class StartView(View):
         if (card := message["card"]) not in CARDS:
             raise Refused(f"card must be one of {', '.join(CARDS)}")
         if self._opening.is_busy:
-            raise Refused("a card is being opened")
+            raise Refused("the previous card is still opening")
 
         def opened() -> str:
             try:
@@ -62,13 +62,13 @@ class StartView(View):
             link.refuse(why or "The card could not be opened")
 
     def _film(self) -> None:
-        """Make the films that are lacking, one after another."""
+        """Make the missing films, one after another."""
         if self._filming.is_busy or self._opening.is_busy or len(self._films) == len(CARDS):
             return
         card = CARDS[len(self._films)]
 
         def film() -> tuple[Mapping[str, Any], list[bytes]]:
-            from robsim.gui.start.cards import film_of  # which loads everything
+            from robsim.gui.start.cards import film_of  # loads everything
 
             return film_of(card)
 
