@@ -22,7 +22,7 @@ void bind_simd(py::module_& module) {
   public_in(module, "robsim._core")
       .def(
           "cpu_path", [] { return std::string(name_of(cpu_path())); },
-          "Return which instructions the hot loops use: \"baseline\", \"avx2\" or \"avx512\".")
+          "Return the instruction set of the hot loops: \"baseline\", \"avx2\" or \"avx512\".")
       .def(
           "cpu_paths",
           [] {
@@ -51,7 +51,7 @@ path : str
 Raises
 ------
 ValueError
-    If it is not available on this processor.
+    If the path is not available on this processor.
 )");
 }
 
@@ -71,9 +71,9 @@ void bind_elementary(py::module_& module) {
            "Return the angle of the point (x, y) from the x axis (rad), in [-pi, pi].")
       .def("hypot", &elementary::hypot, "x"_a, "y"_a, "Return the length of the vector (x, y).")
       .def("random_uniform", &random_uniform, "seed"_a, "counter"_a,
-           "Return the number in [0, 1) at a place of the stream of a seed.")
+           "Return the number in [0, 1) at a place in the stream of a seed.")
       .def("random_normal", &random_normal, "seed"_a, "counter"_a,
-           "Return the standard normal number at a place of the stream of a seed.");
+           "Return the standard normal number at a place in the stream of a seed.");
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ void bind_base(py::module_& module) {
   bind_elementary(module);
   bind_function(public_in(module, "robsim"), "wrap_angle", &robsim::wrap_angle, "angle", " (rad)",
                 R"(
-Return the angle in (-pi, pi] that differs by full turns.
+Return the angle in (-pi, pi], equal up to full turns.
 
 Parameters
 ----------

@@ -140,12 +140,12 @@ image : Frame or array (H, W, 3) of uint8
 colors : list of ColorClass
     The colours to find; a pixel may belong to several.
 markers : MarkerLayout, optional
-    The markers to find: the other options default to values that find them, in noise, too. Its
+    The markers to find: the other options default to values that find them, also in noise. Its
     lengths are in px of an array, or converted by the plane map of a Frame.
 minimum_area : int, optional
     Smaller blobs are dropped (px). Default: 12, or 1/8 of the area of the smaller marker.
 maximum_count : int, optional
-    How many blobs of a colour are returned, the largest first. Default: 64, or the
+    Maximum number of blobs of a colour, the largest first. Default: 64, or the
     `maximum_blobs` of the markers.
 smoothing : int, optional
     Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
@@ -153,7 +153,7 @@ smoothing : int, optional
     to 7; below a marker of 7 px, 3 in images with noise and 1 in others.
 region : tuple of int, optional
     (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
-    pixels are searched, as if the image ended there. Positions are those in the whole image.
+    pixels are searched, as if the image ended there. Positions refer to the whole image.
 
 Returns
 -------
@@ -176,13 +176,12 @@ Examples
   public_in(module, "robsim._core")
       .def("relative_masks", &relative_masks_of, "image"_a, "colors"_a, "smoothing"_a, "gains"_a,
            "least_chroma"_a,
-           "Which pixels belong to which colour relative to brightness: the masks of the second "
-           "chance.");
+           "The pixels of each colour relative to brightness: the masks of the second chance.");
 
   public_in(module, "robsim.vision")
       .def("classify", &masks_of, "image"_a, "colors"_a, py::kw_only(), "markers"_a = py::none(),
            "smoothing"_a = py::none(), R"(
-Return which pixels belong to which colour class: the masks that `find_blobs` works on.
+Return the pixels of each colour class: the masks for `find_blobs`.
 
 Parameters
 ----------
@@ -194,7 +193,7 @@ markers : MarkerLayout, optional
     The markers to find, from which `smoothing` follows as in `find_blobs`.
 smoothing : int, optional
     Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off. Default: 1, or
-    as `find_blobs` has it for the markers.
+    the default of `find_blobs` for the markers.
 
 Returns
 -------

@@ -112,7 +112,7 @@ void bind_training(py::module_& module, Class<ColorClass>& color_class) {
           },
           "image"_a, "region"_a, py::kw_only(), "name"_a, "percentile"_a = defaults.percentile,
           "margin"_a = defaults.margin, "limit_y"_a.noconvert() = defaults.limit_y, R"(
-Return the colour class of a region of an image, such as that of a marker.
+Return the colour class of a region of an image, such as a marker's.
 
 Parameters
 ----------
@@ -126,24 +126,25 @@ name : str
 percentile : float
     Percentage of the pixels outside the range found in a channel, at each end.
 margin : int
-    How far the ranges found are widened (levels).
+    Widening of the ranges found (levels).
 limit_y : bool
     Whether the class limits Y, too. Light and shadow change Y, so by default any Y belongs.
 
 Raises
 ------
 TypeError, ValueError
-    For an image or a region of the wrong type or shape, a region outside the image, options out
-    of range, and a grey region, which only Y can distinguish: see `limit_y`.
+    For an image or a region of the wrong type or shape, a region outside the image, or options out
+    of range. Also for a grey region, which only Y can distinguish: see `limit_y`.
 
 Notes
 -----
 Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
 it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
 stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
-the class, however large the margin. A weak colour counts if the median of the region is farther
-from grey than the rest of the image, by 4 standard deviations of the mean of 7 x 7 pixels and at
-least 3 levels, and as far from grey itself, and at least 1/8 of its luma or 16 levels.
+the class, even with a large margin. A weak colour counts under two conditions. The median of the
+region is farther from grey than the rest of the image, by 4 standard deviations of the mean of 7 x
+7 pixels and at least 3 levels. The same distance holds to grey itself, and is at least 1/8 of its
+luma or 16 levels.
 )")
       .def_static(
           "from_histograms",
@@ -165,7 +166,8 @@ name, percentile, margin, limit_y
     As for `from_region`.
 around : array (2, 2), optional
     Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
-    known; then a colour counts from 16 levels from grey on, or 1/4 of its luma if that is less.
+    known; a colour then counts from a distance to grey of 16 levels, or of 1/4 of its luma if that
+    is less.
 )")
       .def("widened", &widened, "margin"_a, R"(
 Return the class with wider ranges.
@@ -173,7 +175,7 @@ Return the class with wider ranges.
 Parameters
 ----------
 margin : int
-    How many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
+    Shift of each end outwards (levels); negative: inwards. Ends at 0 and 255 are open and
     do not move.
 
 Raises
@@ -193,7 +195,7 @@ ValueError
             return result;
           },
           "image"_a, R"(
-Return U and V of what most of an image shows, which is the floor around the markers.
+Return U and V of most of an image, which is the floor around the markers.
 
 Parameters
 ----------
@@ -203,8 +205,8 @@ image : Frame or array (H, W, 3) of uint8
 Returns
 -------
 array (2, 2)
-    Of the means over blocks of 7 x 7 pixels: the medians of U and V; their spreads, half of what
-    lies between the 16th and the 84th percentile (levels).
+    From the means over blocks of 7 x 7 pixels: the medians of U and V, and their spreads, half the
+    distance between the 16th and the 84th percentile (levels).
 
 Raises
 ------
@@ -219,7 +221,7 @@ Examples
 array([125., 128.])
 )")
       .def("color_histograms", &histograms_of, "image"_a, "region"_a, R"(
-Return how many pixels of a region have each value of Y, U and V.
+Return the number of pixels of a region with each value of Y, U and V.
 
 Parameters
 ----------
@@ -251,7 +253,7 @@ Examples
 
 void bind_color(py::module_& module) {
   Class<ColorClass> color_class(public_in(module, "robsim"), "ColorClass", R"(
-A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
+A named colour: a pixel belongs to it if its Y, U and V lie within the ranges.
 
 Parameters
 ----------
@@ -279,7 +281,7 @@ True
   define_repr(color_class, fields);
 
   public_in(module, "robsim.vision").def("rgb_to_yuv", &yuv_of, "image"_a, R"(
-Return Y, U and V of every pixel, as the colour classes use them.
+Return Y, U and V of every pixel, as for the colour classes.
 
 Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,
 U = 128 + (-22 R - 42 G + 64 B)/128, V = 128 + (64 R - 54 G - 10 B)/128.

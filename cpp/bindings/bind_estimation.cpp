@@ -152,23 +152,22 @@ Examples
   define_repr(fit,
               "<LeastSquaresFit: theta {0.theta}, rank {0.rank}, condition {0.condition:.3g}, "
               "residual rms {0.residual_rms:.3g}>");
-  define_record(
-      fit,
-      members<LeastSquaresFit>(
-          nullptr,
-          Field("theta", &LeastSquaresFit::theta,
-                "array (n,): the parameters, NaN where the samples do not determine them."),
-          Field("rank", &LeastSquaresFit::rank, "int: number of independent regressors."),
-          Field("condition", &LeastSquaresFit::condition,
-                "float: condition number of the regressors, scaled to length 1."),
-          Field("residual_rms", &LeastSquaresFit::residual_rms,
-                "float: root mean square of y - phi theta."),
-          Field("standard_errors_unscaled", &LeastSquaresFit::standard_errors_unscaled,
-                "array (n,): standard errors of theta in units of the standard deviation of the "
-                "noise;\ninf where the samples do not determine them."),
-          Field("standard_errors", &LeastSquaresFit::standard_errors,
-                "array (n,): standard errors of theta, with the noise estimated from the "
-                "residuals.")));
+  define_record(fit,
+                members<LeastSquaresFit>(
+                    nullptr,
+                    Field("theta", &LeastSquaresFit::theta,
+                          "array (n,): the parameters, NaN if the samples do not determine them."),
+                    Field("rank", &LeastSquaresFit::rank, "int: number of independent regressors."),
+                    Field("condition", &LeastSquaresFit::condition,
+                          "float: condition number of the regressors, scaled to length 1."),
+                    Field("residual_rms", &LeastSquaresFit::residual_rms,
+                          "float: root mean square of y - phi theta."),
+                    Field("standard_errors_unscaled", &LeastSquaresFit::standard_errors_unscaled,
+                          "array (n,): standard errors of theta in units of the standard deviation "
+                          "of the noise;\ninf if the samples do not determine them."),
+                    Field("standard_errors", &LeastSquaresFit::standard_errors,
+                          "array (n,): standard errors of theta, with the noise estimated from the "
+                          "residuals.")));
 }
 
 }  // namespace
@@ -178,16 +177,16 @@ void bind_estimation(py::module_& module) {
 
   const RecursiveLeastSquares defaults(1);
   RecursiveClass recursive(public_in(module, "robsim"), "RecursiveLeastSquares", R"(
-Recursive least squares with forgetting, for one filter or any number side by side.
+Recursive least squares with forgetting, for one or more parallel filters.
 
 Parameters
 ----------
 n_parameters : int
     Number of parameters of a filter.
 n_filters : int
-    Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
+    Number of filters: 3 for the axes of a robot, 3 R for R runs.
 forgetting : float
-    Forgetting factor, within 1e-10..1; 1 = none.
+    Forgetting factor, within 1e-10..1; 1 = no forgetting.
 initial_covariance : float
     The initial P is this times the identity matrix, at most 1e50; the initial theta is 0.
 
@@ -196,19 +195,19 @@ Raises
 ValueError
     For values outside these ranges.
 RuntimeError
-    When it is looked at, updated or reset while a run in another thread has it:
-    ``sim.trace.parameters`` can be read meanwhile.
+    If it is read, updated or reset while a run in another thread uses it. ``sim.trace.parameters``
+    can be read meanwhile.
 
 Notes
 -----
 theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
 plus ``forgetting^N |theta|^2 / initial_covariance``. The covariance is kept as P = U D U' (Bierman,
-Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot
-make it asymmetric or indefinite, whatever the number of samples.
+Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot make
+it asymmetric or indefinite, for any number of samples.
 
 Without excitation, as with a constant input, forgetting lets P grow without bound. Here the trace
-of P never exceeds 1e9 per parameter, or its initial value if that is larger: where it would, the
-variances D of single columns of U are limited. This adds information along these columns only. The
+of P never exceeds 1e9 per parameter, or its initial value if that is larger. The variances D of
+single columns of U are limited accordingly. This adds information along these columns only. The
 estimates do not change, excited directions are forgotten as before, and when excitation returns the
 filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
 filter follows a change of the parameters more and more slowly as samples accumulate.
@@ -244,7 +243,7 @@ array, shaped as phi
 Raises
 ------
 TypeError, ValueError
-    For other shapes and for numbers beyond 1e50; the filters are unchanged then.
+    For wrong shapes and for numbers beyond 1e50; the filters then stay unchanged.
 )")
       .def_property_readonly("theta", alone(written<&RecursiveLeastSquares::write_estimates>),
                              "array (n_parameters,) or (n_filters, n_parameters): the estimates.")

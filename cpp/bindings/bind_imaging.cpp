@@ -55,23 +55,23 @@ std::optional<int> headings_of(const Frame& frame) {
 
 void bind_frame(py::module_& module) {
   Class<Frame> frame(public_in(module, "robsim"), "Frame", R"(
-A camera image with its time: all that the robot half gets to know of the world.
+A camera image with its time: the robot half's only data about the world.
 
-The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these, or the red and the blue marker
-change places, and the robot is measured facing backwards, in a wrong place.
+The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these. Otherwise the red and the blue
+marker change places, and the robot is measured facing backwards, in a wrong place.
 
 Parameters
 ----------
 image : array (H, W, 3) of uint8
     RGB pixels. With ``copy=False`` any buffer of this type and shape.
 copy : bool
-    False: take the pixels where they are, such as in shared memory. The frame keeps the array
-    alive and always shows what is in its memory now: who overwrites it, changes the frame, and
-    what it equals and its hash with it.
+    False: use the array's own memory, such as shared memory. The frame keeps the array alive and
+    always shows its present content. Overwriting the memory changes the frame, its hash and its
+    equality.
 t : float, optional
-    Time (s): that of the exposure, if the camera knows it. None: it has no time of its own.
+    Time (s), of the exposure if the camera knows it. None: the frame has no time.
 t_arrival : float, optional
-    When it reached this computer, by the clock of `t` (s).
+    Arrival at this computer, by the clock of `t` (s).
 epoch : float, optional
     ``time.monotonic()`` when `t` was 0 (s).
 index : int
@@ -79,14 +79,13 @@ index : int
 plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
 headings : int, optional
-    Number of headings that the robot is drawn in, at whole pixels, as in frames of a simulation:
-    its pose cannot be measured better than that, and the covariance of a measurement says so.
-    Default: any, as a camera sees it. A frame made of the pixels of a simulated one alone does not
-    know: say it.
+    Number of drawn headings of the robot, at whole pixels, as in frames of a simulation: no
+    measurement of its pose is better, and the covariance includes this. Default: any, as in a
+    camera's view. A frame made only from the pixels of a simulated one needs this number.
 
 Examples
 --------
-A frame in shared memory keeps that memory open. Here a ``bytearray`` has its place:
+A frame of shared memory keeps that memory open. Here a ``bytearray`` has its place:
 
 >>> memory = bytearray(480 * 640 * 3)
 >>> frame = robsim.Frame(memoryview(memory).cast("B", (480, 640, 3)), copy=False, t=0.2)
@@ -124,8 +123,7 @@ Examples
                 py::module_::import("robsim.vision.imaging.images").attr("png_bytes")(self.image);
             return {png, {{"width", std::min(self.image.width(), notebook_width)}}};
           },
-          "Return the image as a PNG file and how wide it is shown: a frame shows itself in a "
-          "notebook.")
+          "Return the image as a PNG file and its displayed width: notebooks display a frame.")
       .def(
           "__array__",
           [](const Frame& self, const py::object& dtype, const py::object& copy) {
@@ -135,7 +133,7 @@ Examples
             return pixels.attr("astype")(kind, "copy"_a = is_copied);
           },
           "dtype"_a = py::none(), "copy"_a = py::none(),
-          "Return the image: numpy and matplotlib take a frame for its pixels.")
+          "Return the image, so that numpy and matplotlib accept a frame as its pixels.")
       .def("__repr__", [](const Frame& self) {
         const char* const text =
             self.t ? "<Frame {}: {} x {} px, t = {:g} s>" : "<Frame {}: {} x {} px>";
@@ -149,19 +147,19 @@ Examples
                       headings);
   };
   define_record(
-      frame, Fields(make,
-                    Field("image", &Frame::image,
-                          "array (H, W, 3) of uint8: RGB, read-only; unless it was made with "
-                          "``copy=False``,\nC-contiguous and never overwritten while you hold it."),
-                    Field("t", &Frame::t, "float or None: time (s)."),
-                    Field("t_arrival", &Frame::t_arrival,
-                          "float or None: when it reached this computer, by the clock of `t` (s)."),
-                    Field("epoch", &Frame::epoch,
-                          "float or None: ``time.monotonic()`` when `t` was 0 (s)."),
-                    Field("index", &Frame::index, "int: number of the frame."),
-                    Field("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area."),
-                    Field("headings", &headings_of,
-                          "int or None: number of headings that the robot is drawn in.")));
+      frame,
+      Fields(
+          make,
+          Field("image", &Frame::image,
+                "array (H, W, 3) of uint8: RGB, read-only. Without ``copy=False`` it is "
+                "C-contiguous and\nnever overwritten while you hold it."),
+          Field("t", &Frame::t, "float or None: time (s)."),
+          Field("t_arrival", &Frame::t_arrival,
+                "float or None: arrival at this computer, by the clock of `t` (s)."),
+          Field("epoch", &Frame::epoch, "float or None: ``time.monotonic()`` when `t` was 0 (s)."),
+          Field("index", &Frame::index, "int: number of the frame."),
+          Field("plane_map", &Frame::plane_map, "PlaneMap: pixels <-> work area."),
+          Field("headings", &headings_of, "int or None: number of drawn headings of the robot.")));
 }
 
 void bind_reduce(const py::module_& module) {
@@ -173,13 +171,13 @@ void bind_reduce(const py::module_& module) {
         return reduced(frame.image, width);
       },
       "frame"_a, "width"_a,
-      "Return a frame's pixels, reduced by whole factors to not less than a width; what a factor "
-      "leaves over at the right and below is dropped.");
+      "Return a frame's pixels, reduced by whole factors to not less than a width; incomplete "
+      "pixels at the right and below are dropped.");
 }
 
 void bind_warp(py::module_& module) {
   Class<Warp, std::shared_ptr<Warp>>(public_in(module, "robsim._core"), "Warp",
-                                     "Makes an image from another, each pixel at its own place.")
+                                     "Makes an image from another by moving each pixel.")
       .def(
           "apply",
           [](const Warp& self, const ImageView& image) {
@@ -236,9 +234,9 @@ raw : buffer of bytes
 width, height : int
     Size of the frame (px).
 format : str
-    How the camera sends pixels: a name of `pixel_formats`.
+    The camera's pixel format: a name in `pixel_formats`.
 bits : int
-    That a camera in ``"mono16"`` uses of the 16.
+    Number of used bits of the 16 in ``"mono16"``.
 
 Returns
 -------
@@ -251,6 +249,6 @@ TypeError, ValueError
     If there are too few bytes, or the format does not have that size.
 )")
       .def("pixel_formats", &format_rows,
-           "Return how cameras send pixels: name, coding, its worth on FireWire (0: it has none), "
-           "name of GenICam (empty: none), for this in the order of worth.");
+           "Return the cameras' pixel formats: name, coding, rank on FireWire (0: no rank), name "
+           "in GenICam (empty: no name), for GenICam in the order of rank.");
 }

@@ -70,8 +70,7 @@ using Span = std::pair<double, double>;  // start and duration
 
 void bind_faults(py::module_& module) {
   Class<CameraFaults>(public_in(module, "robsim._core"), "CameraFaults",
-                      "What goes wrong with a simulated camera. Users take "
-                      "robsim.lab.CameraFaults.")
+                      "Faults of a simulated camera. Users take robsim.lab.CameraFaults.")
       .def(py::init([](double late, double lateness, double dropped, double repeated, double torn,
                        Span stall, Span unplugged, double drift, double drift_period,
                        std::uint64_t seed) {
@@ -122,9 +121,9 @@ void bind_laboratory(py::module_& module) {
       .def("plug_in", here<&Laboratory::plug_in>())
       .def("ticks", &ticks_of)
       .def_property_readonly("is_elsewhere", &Laboratory::is_elsewhere,
-                             "bool: True in a process forked from its own, where it is of no use.")
+                             "bool: True in a forked process, where it does not work.")
       .def_property_readonly("skipped", &Laboratory::skipped,
-                             "int: frames that it was too late to draw.");
+                             "int: frames skipped because they were late.");
 
   bind_faults(module);
 
@@ -135,7 +134,7 @@ void bind_laboratory(py::module_& module) {
            "noise"_a, "noise_seed"_a, "delay"_a, "faults"_a);
 
   Class<RaisedRobot>(public_in(module, "robsim._core"), "RaisedRobot",
-                     "A robot's top above the floor, as a camera elsewhere sees it.")
+                     "A robot's top above the floor, as seen by an oblique camera.")
       .def(py::init<std::shared_ptr<Scene>, std::shared_ptr<Warp>>(), "scene"_a, "warp"_a)
       .def(
           "drawn",
@@ -156,5 +155,5 @@ void bind_laboratory(py::module_& module) {
             return std::make_shared<Warp>(view_warp(scene, size.first, size.second, plane_map));
           },
           "scene"_a, "size"_a, "plane_map"_a,
-          "Return the warp from a scene to the frames of a camera elsewhere.");
+          "Return the warp from a scene to the frames of an oblique camera.");
 }

@@ -83,7 +83,7 @@ py::str repr_of_measurement(const Measurement& self) {
 
 void bind_measurement(py::module_& module) {
   Class<Measurement> measurement(public_in(module, "robsim"), "Measurement", R"(
-The pose of a detected robot, and how good it is. A frame without a detection gives None instead.
+The pose of a detected robot, and its accuracy. A frame without a detection gives None instead.
 
 Parameters
 ----------
@@ -92,21 +92,22 @@ pose : array (3,)
 covariance : array (3, 3), optional
     Of x, y (work-area px) and heading (rad). Default: not known.
 misfit : float, optional
-    Factor on the variance, because what the fit of the markers leaves is not noise alone: 1 = it
-    is. In clean frames up to 2, from how the picture is drawn; above, the markers look otherwise
-    than their outlines: moved, compressed, partly hidden. Not the `misfit` of a `Detection`,
-    which is that of the pair.
+    Factor on the variance, because the residuals of the markers' fit contain more than noise: 1 =
+    only noise. In clean frames it is up to 2, from the rendering. Above, the markers differ from
+    their outlines: moved, compressed, partly hidden. The `misfit` of a `Detection` is another
+    figure, for the pair of blobs.
 signal_to_noise : float, optional
-    How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
-    3 there is none.
+    Ratio of the markers' edges to the noise. From 4 on a pose is reliable, below 3 no pose is
+    reported.
 seen : dict of str to Blob, optional
-    What was seen of the robot's markers, by role, ``"right"`` and ``"left"``, or ``"front"`` and
-    ``"back"``: of a `BlobMarker` the blob that was taken for it. Its colour is its identity.
+    The seen markers of the robot, by role, ``"right"`` and ``"left"``, or ``"front"`` and
+    ``"back"``: for a `BlobMarker` its blob. Its colour is its identity.
 
 Raises
 ------
 ValueError
-    If the pose is not finite, if the covariance is none, or if a figure is below 0 or not finite.
+    If the pose is not finite, if the covariance is invalid, or if a figure is below 0 or not
+    finite.
 
 Examples
 --------
@@ -127,11 +128,12 @@ array([0.03, 0.04, 0.  ])
           std::nullopt),
       Field(
           "misfit", [](const Measurement& self) { return known(self.misfit); },
-          "float or None: factor on the variance, 1 where the fit leaves noise alone.",
+          "float or None: factor on the variance, 1 if the fit's residuals are only noise.",
           std::nullopt),
       Field(
           "signal_to_noise", [](const Measurement& self) { return known(self.signal_to_noise); },
-          "float or None: of the markers' edges; from 4 on a pose can be trusted.", std::nullopt),
+          "float or None: ratio of the markers' edges to the noise; from 4 on a pose is reliable.",
+          std::nullopt),
       Field(
           "seen",
           [](const Measurement& self) -> std::optional<BlobPair> {
@@ -151,11 +153,11 @@ py::str repr(const Detection& self) {
 
 void bind_detection(py::module_& module) {
   Class<Detection> detection(public_in(module, "robsim.vision"), "Detection", R"(
-What `detect` found: the pair of blobs that fits the markers best, how well, and what follows.
+The result of `detect`: the pair of blobs that fits the markers best, its misfit, and its pose.
 
 The misfit is the sum of three squared deviations: of the distance, as a fraction of
-``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of that of
-``area_tolerance``. In a pair that is accepted each is at most 1.
+``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of the
+logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
 
 Examples
 --------
@@ -183,13 +185,13 @@ Examples
           [](const Detection& self) {
             return self.measurement ? std::nullopt : std::optional(name_of(self));
           },
-          "str or None: why there is no measurement: ``\"no blobs\"``, ``\"no red blob\"``,\n"
-          "``\"no blue blob\"`` or what the colours are called, ``\"at the border\"``, "
-          "``\"distance\"``, ``\"areas\"``,\n"
-          "``\"ambiguous\"``, ``\"by chance\"``, ``\"noise\"`` or ``\"shape\"``; and, where the "
-          "frame tells the cause,\n``\"dark\"``, ``\"overexposed\"`` or ``\"small markers\"``.")
+          "str or None: reason for a missing measurement: ``\"no blobs\"``, ``\"no red "
+          "blob\"``,\n``\"no blue blob\"`` or other colours' names, ``\"at the border\"``, "
+          "``\"distance\"``,\n``\"areas\"``, ``\"ambiguous\"``, ``\"by chance\"``, ``\"noise\"`` "
+          "or ``\"shape\"``. If the frame\nshows the cause: ``\"dark\"``, ``\"overexposed\"`` or "
+          "``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
-                             "str: a sentence on the result, with the numbers that decided.")
+                             "str: a sentence on the result, with the decisive numbers.")
       .def("__repr__", &repr);
   define_record(
       detection,
@@ -200,24 +202,24 @@ Examples
           Field("result", &Detection::result), Field("first", &Detection::first),
           Field("second", &Detection::second),
           Field("misfit", &Detection::misfit,
-                "float: misfit of the pair, from 0 = perfect; inf without a pair. That of the "
-                "fit\nhas the measurement."),
+                "float: misfit of the pair, from 0 = perfect; inf without a pair. The misfit of "
+                "the fit is in\nthe measurement."),
           Field("runner_up", &Detection::runner_up,
-                "float: misfit of the second best pair that is accepted; inf if there is none. "
-                "Near the\nmisfit, the choice is ambiguous."),
+                "float: misfit of the second best accepted pair; inf without one. Near the misfit, "
+                "the choice\nis ambiguous."),
           Field("exchanged", &Detection::exchanged), Field("distance", &Detection::distance),
           Field("first_area", &Detection::first_area),
           Field("second_area", &Detection::second_area),
           Field("false_alarms", &Detection::false_alarms,
-                "float: how many pairs of the other blobs would fit as well by chance, if they "
-                "lay\nanywhere; a pair is accepted up to 0.005."),
+                "float: expected number of pairs of the other blobs that fit as well by chance, "
+                "for random\npositions; a pair is accepted up to 0.005."),
           Field("cause", &Detection::cause), Field("noise", &Detection::noise),
           Field("by_second_chance", &Detection::by_second_chance,
-                "bool: no pair was found with the colours as they are, but this one relative "
-                "to brightness:\nthe limits of a colour hold for U - 128 and V - 128 as "
-                "fractions of the largest of R, G and B,\nwith 26 levels for a saturation of "
-                "29 %; under light that colours the floor, as if that were\ngrey. Dim light, "
-                "its gradients and faded markers change the levels, but not the fractions."),
+                "bool: the pair was found only with colours relative to brightness. The limits of "
+                "a colour\nthen hold for U - 128 and V - 128 as fractions of the largest of R, G "
+                "and B, with 26 levels\nfor a saturation of 29 %. Under coloured light, the floor "
+                "counts as grey. Dim light, its\ngradients and faded markers change the levels, "
+                "but not the fractions."),
           Field("markers", &Detection::markers)));
 
   Class<MissedDetections> missed(public_in(module, "robsim.vision"), "MissedDetections", R"(
@@ -283,28 +285,28 @@ void bind_functions(py::module_& module) {
   public_in(module, "robsim.vision")
       .def("detect", &detect_in, "blobs"_a, "markers"_a, py::kw_only(), "plane_map"_a = py::none(),
            "image"_a = py::none(), "colors"_a = py::none(), R"(
-Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
+Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
 
-The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
-used: they may be cut off. Where noise or other things give many blobs like the markers, a pair is
-accepted only if hardly any pair of the others would fit as well by chance [1]_: on a floor of
-noise, a pose is reported in one or two of 100 frames at most.
+The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
+border of the frame are not used: they may be cut off. Noise or other things may give many blobs
+like the markers. A pair is then accepted only if hardly any pair of the others would fit as well by
+chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
 
 Parameters
 ----------
 blobs : dict of str to list of Blob
-    As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
+    From `find_blobs`; the two `MarkerLayout.colors` are used.
 markers : MarkerLayout
     The positions of the markers on the robot.
 plane_map : PlaneMap, optional
-    From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
-    otherwise the identity.
+    Map from pixels of the blobs' frame to the work area. Default: the map of `image`, if it is a
+    Frame; otherwise the identity.
 image : Frame or array (H, W, 3) of uint8, optional
-    Where the blobs were found. With it the pose is fitted to the edges of the markers, as `locate`
-    does it; without a measurement it is examined for the cause, such as a dark picture.
+    The image of the blobs. With an image the pose is fitted to the edges of the markers, as in
+    `locate`. Without a measurement the image is examined for the cause, such as darkness.
 colors : list of ColorClass, optional
-    Those that the blobs were found with. With them and the image, a frame without a pair gets the
-    second chance that the default measurement has: the same colours relative to brightness, see
+    The colours used to find the blobs. With colours and the image, a frame without a pair gets a
+    second chance, as in the default measurement: the same colours relative to brightness, see
     `Detection.by_second_chance`.
 
 Returns
@@ -337,38 +339,39 @@ Examples
       .def("frame_noise", &noise_of, "frame"_a,
            "Standard deviation of the noise of a frame's channels (grey levels).")
       .def("expected_signal_to_noise", &expected_signal_to_noise, "width"_a, "noise"_a,
-           "The figure of markers of a width (frame px) at a noise (grey levels), in good light.")
+           "The signal-to-noise figure of markers of a width (frame px) at a noise (grey levels), "
+           "in\ngood light.")
       .def("trusted_width", &trusted_width, "noise"_a,
-           "Width of markers (frame px) that can be trusted at a noise (grey levels).")
+           "Smallest reliable width of markers (frame px) at a noise (grey levels).")
       .def("small_markers_remark", &small_markers_remark, "width"_a, "noise"_a,
-           "What is to be said of markers too small for the noise; None of others.");
+           "A remark on markers too small for the noise; None for large enough ones.");
 
   public_in(module, "robsim")
       .def("locate", &locate_in, "blobs"_a, "markers"_a, "plane_map"_a = py::none(), py::kw_only(),
            "image"_a = py::none(), "colors"_a = py::none(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
-The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
-used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
-the markers, by weighted least squares [1]_: in noise the error is half to two thirds of
-that of the blobs' centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
-weighted by their colour.
+The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
+border of the frame are not used: they may be cut off. With the image, the pose is then fitted to
+the pixels around the edges of the markers, by weighted least squares [1]_. In noise the error is
+half to two thirds of the centroids' error, without noise a fifth. For markers with unknown
+outlines, pixels at the edge are weighted by their colour.
 
 Parameters
 ----------
 blobs : dict of str to list of Blob
-    As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
+    From `find_blobs`; the two `MarkerLayout.colors` are used.
 markers : MarkerLayout
-    The positions of the markers on the robot; of `MarkerLayout.from_markers`, the outlines, too.
+    The positions of the markers on the robot; from `MarkerLayout.from_markers` also their outlines.
 plane_map : PlaneMap, optional
-    From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
-    otherwise the identity.
+    Map from pixels of the blobs' frame to the work area. Default: the map of `image`, if it is a
+    Frame; otherwise the identity.
 image : Frame or array (H, W, 3) of uint8, optional
-    Where the blobs were found. Default: the pose is that of the blobs' centroids. Give the Frame,
-    ``step.frame``, not its pixels: an array has no plane map, and does not say in how many headings
-    the robot is drawn, so that the covariance would leave out what that costs.
+    The image of the blobs. Default: the pose comes from the blobs' centroids. Give the Frame,
+    ``step.frame``, not its pixels: an array has no plane map, and no number of drawn headings, so
+    that the covariance would omit their rounding.
 colors : list of ColorClass, optional
-    Those that the blobs were found with: a frame without a pair then gets a second chance, as in
+    The colours used to find the blobs: a frame without a pair then gets a second chance, as in
     `detect`.
 
 Returns
@@ -376,7 +379,7 @@ Returns
 Measurement or None
     The pose; with the image, also its covariance, misfit and signal-to-noise figure. None = not
     detected: no pair fits, or two fit equally well, or the markers do not stand out of the noise.
-    `robsim.vision.detect` says why.
+    `robsim.vision.detect` gives the reason.
 
 References
 ----------

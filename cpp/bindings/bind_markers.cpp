@@ -122,16 +122,15 @@ void define_layout(Class<MarkerLayout>& layout) {
           Field("area_tolerance", &MarkerLayout::area_tolerance, "float: ratio."),
           Field("maximum_blobs", &MarkerLayout::maximum_blobs, "int: blobs considered per colour."),
           Field("polygons", polygons,
-                "dict of str to array (N, 2) or None: by role, the corners, forward and right "
-                "of the centre\n(px); None = unknown, as of `from_positions`."),
+                "dict of str to array (N, 2) or None: by role, the corners, forward and right of "
+                "the centre\n(px); None = unknown, as from `from_positions`."),
           Field("colors", colors,
                 "dict of str to str: by role, the names of the markers' colours.")));
   layout
       .def_property_readonly(
           "roles", [](const MarkerLayout& self) { return pair_of(self.roles); },
-          "tuple of 2 str: ``(\"right\", \"left\")`` or ``(\"front\", \"back\")``: what the "
-          "markers "
-          "are called\nby where they sit. All dicts of markers are in this order.")
+          "tuple of 2 str: ``(\"right\", \"left\")`` or ``(\"front\", \"back\")``: the markers' "
+          "roles, by their\nplaces. All dicts of markers are in this order.")
       .def("__repr__", &repr_of_layout);
 }
 
@@ -156,7 +155,7 @@ distance_tolerance, area_tolerance, maximum_blobs, colors
 Raises
 ------
 ValueError
-    If the roles are others, or contradict the positions; if a polygon is none.
+    If the roles are unknown, or contradict the positions; if a polygon is invalid.
 )")
       .def_static("from_positions", &layout_of_positions, "positions"_a, py::kw_only(),
                   "areas"_a = py::none(), "distance_tolerance"_a = defaults.distance_tolerance,
@@ -171,16 +170,16 @@ positions : dict of str to array (2,)
     By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the marker's centroid in the
     robot's frame: forward, right (work-area px from its centre).
 areas : dict of str to float, optional
-    By role, their areas (px^2); one that is left out, or None, is not known. Default: not known.
+    By role, their areas (px^2); an omitted area, or None, is not known. Default: not known.
 distance_tolerance, area_tolerance, maximum_blobs, colors
     As for `MarkerLayout`.
 polygons : dict of str to array (N, 2), optional
-    By role, their corners, in the same frame. Default: not known; measurements are then less exact.
+    By role, their corners, in the same frame. Default: not known, with less exact measurements.
 
 Raises
 ------
 ValueError
-    If the roles are others, or contradict the positions.
+    If the roles are unknown, or contradict the positions.
 )");
 }
 
@@ -191,11 +190,11 @@ double width_in(const MarkerLayout& self, const Frame& frame) {
 void bind_marker_layout(py::module_& module) {
   const MarkerLayout defaults;
   Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
-The two markers of a robot, their colours and positions: what turns a pair of blobs into a pose.
+The two markers of a robot, their colours and positions, which turn a pair of blobs into a pose.
 
-A marker has a role, which says where it sits on the robot, and a colour, by which it is found. The
-two are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. Of
-markers one behind the other, ``"front"`` and ``"back"``, and of other arrangements see
+A marker has a role, which gives its place on the robot, and a colour, by which it is found. The two
+are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. For
+markers one behind the other, ``"front"`` and ``"back"``, and for other arrangements see
 `from_markers` and `from_positions`.
 
 Parameters
@@ -203,18 +202,17 @@ Parameters
 distance : float
     Distance between the centroids of the two markers (work-area px).
 offset : float
-    From the midpoint of the markers forward to the robot's centre (work-area px).
+    Distance from the midpoint of the markers forward to the robot's centre (work-area px).
 distance_tolerance : float
     Maximum deviation of a pair's distance, as a fraction of the distance.
 area_tolerance : float
     Maximum ratio between a blob's area and the marker's or, where the marker areas are not known,
     between the areas of a pair.
 maximum_blobs : int
-    How many blobs of a colour are considered, the largest first.
+    Number of considered blobs of a colour, the largest first.
 colors : dict of str to str, optional
-    By role, the names of the colour classes: those of a colour file, such as
-    ``{"right": "green", "left": "orange"}``. Default: the right or front marker is red, the other
-    one blue.
+    By role, the colour classes' names, such as ``{"right": "green", "left": "orange"}``, as in a
+    colour file. Default: the right or front marker is red, the other one blue.
 
 Examples
 --------
@@ -235,23 +233,24 @@ Examples
            "area_tolerance"_a = defaults.area_tolerance, "maximum_blobs"_a = defaults.maximum_blobs,
            "colors"_a = py::none())
       .def("width_in", &width_in, "frame"_a, R"(
-Return how wide the smaller marker is in the middle of a frame.
+Return the width of the smaller marker in the middle of a frame.
 
 Parameters
 ----------
 frame : Frame
-    The frame; its plane map tells the scale.
+    The frame; its plane map gives the scale.
 
 Returns
 -------
 float
-    The side of a square of its area (px of the frame); NaN if no area is known. Poses can be
-    trusted from 4.5 px on.
+    The side of a square of its area (px of the frame); NaN if no area is known. Poses are reliable
+    from 4.5 px on.
 )")
       .def_property_readonly("distance", &MarkerLayout::distance,
                              "float: distance between the markers' centroids (work-area px).")
-      .def_property_readonly("offset", &MarkerLayout::offset,
-                             "float: from the markers' midpoint forward to the centre (px).");
+      .def_property_readonly(
+          "offset", &MarkerLayout::offset,
+          "float: distance from the markers' midpoint forward to the centre (px).");
   bind_makers_of_layouts(layout);
   define_layout(layout);
 }

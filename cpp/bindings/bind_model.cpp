@@ -161,7 +161,7 @@ Arrays regression_of(const ArrayLike& poses_value, const ArrayLike& u_value) {
 
 void bind_parameters(py::module_& module) {
   Class<RobotParameters> parameters(public_in(module, "robsim"), "RobotParameters", R"(
-The physical robot; the defaults are those of the original program.
+The physical robot; the defaults are the original program's.
 
 Parameters
 ----------
@@ -183,7 +183,7 @@ dt : float
 Raises
 ------
 ValueError
-    If a value is not physical; the sentence says which one and why.
+    If a value is not physical; the message names the value and the reason.
 
 Examples
 --------
@@ -222,7 +222,7 @@ void bind_model(py::module_& module) {
 One-step predictor of a differential-drive robot, linear in its 15 parameters.
 
 Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
-for y and 1 for the heading. Nothing in the equations forbids the robot to slide sideways.
+for y and 1 for the heading. The equations allow the robot to slide sideways.
 
 Parameters
 ----------
@@ -260,7 +260,7 @@ dt : float
 )")
       .def("predict", &predict_of, "pose_1"_a, "pose_2"_a, "u"_a, py::kw_only(),
            "unwrapped"_a.noconvert() = false, R"(
-Return the pose of step k, or those of N steps.
+Return the pose of step k, or the poses of N steps.
 
 Parameters
 ----------
@@ -269,8 +269,7 @@ pose_1, pose_2 : array (3,) or (N, 3)
 u : array (2,) or (N, 2)
     Input of step k-1 (V).
 unwrapped : bool
-    Take the headings as they are, without a jump by a full turn, and do not wrap that of the
-    result.
+    Use the headings unchanged, without a jump by a full turn, and do not wrap the result's heading.
 
 Returns
 -------
@@ -283,7 +282,7 @@ TypeError, ValueError
     If an argument is not of this type or shape, or not finite.
 )")
       .def("jacobian", &jacobian_of, "pose_1"_a, "pose_2"_a, "u"_a, R"(
-Return the derivatives of the pose of step k by the two poses before.
+Return the derivatives of the pose of step k by the two previous poses.
 
 Parameters
 ----------
@@ -295,7 +294,7 @@ u : array (2,) or (N, 2)
 Returns
 -------
 array (3, 6) or (N, 3, 6)
-    Columns 0..2: the derivatives by x, y and heading of `pose_1`; 3..5: by those of `pose_2`.
+    Columns 0..2: the derivatives by x, y and heading of `pose_1`; 3..5: of `pose_2`.
 
 Raises
 ------
@@ -313,7 +312,7 @@ dt : float
 Raises
 ------
 ValueError
-    If it is not a multiple of the model's dt, at least one, within a quarter of that dt.
+    If the time is not a multiple of the model's dt, at least one, within a quarter of that dt.
 )");
   define_repr(model, "<RobotModel: dt = {0.dt!r} s, theta =\n{0.theta}>");
   define_record(model,
@@ -355,7 +354,7 @@ Parameters
 theta : array (3, 5)
     The parameters.
 path : array (n, 3)
-    The path simulated with them.
+    The path simulated with these parameters.
 u : array (n, 2)
     Inputs (V).
 

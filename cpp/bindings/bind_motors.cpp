@@ -33,28 +33,27 @@ void bind_error(py::module_& module, const char* name, py::handle base, const ch
 
 void bind_event(py::module_& module) {
   Class<MotorEvent> event(public_in(module, "robsim.lab"), "MotorEvent",
-                          "What went over a line to a robot, or what the robot did by itself.");
+                          "A message on a line to a robot, or an action of the robot itself.");
   const auto fields = members<MotorEvent>(
       nullptr, by_name, Field("t", &MotorEvent::t, "float: when (s, clock of time.monotonic)."),
       Field("u", &MotorEvent::u, "array (2,): the input (V), 0 for a stop."),
       Field("kind", &MotorEvent::kind,
-            "str: \"input\", a new one; \"repeat\", the same again; \"stop\"; \"failure\", a line "
-            "that could not be written; \"timeout\", the robot stopped without a line; "
-            "\"silence\", it answered before, and has not for a second."));
+            "str: \"input\", a new input; \"repeat\", the same again; \"stop\"; \"failure\", a "
+            "line that could not be written; \"timeout\", the robot stopped without a line; "
+            "\"silence\", a robot that answered before has not for a second."));
   define_record(event, fields);
   define_repr(event, fields);
 }
 
 void bind_counts(py::module_& module) {
   Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts",
-                           "How many lines a robot has heard.");
+                           "Numbers of lines that a robot has received.");
   const auto fields = members<LineCounts>(
-      nullptr, by_name, Field("valid", &LineCounts::valid, "int: lines that it obeyed."),
+      nullptr, by_name, Field("valid", &LineCounts::valid, "int: obeyed lines."),
       Field("damaged", &LineCounts::damaged,
-            "int: lines that were damaged, too long, or none of the protocol."),
-      Field("old", &LineCounts::old, "int: lines that a newer one had overtaken."),
-      Field("foreign", &LineCounts::foreign,
-            "int: lines of another sender than the one that it heard."));
+            "int: lines that were damaged, too long, or outside the protocol."),
+      Field("old", &LineCounts::old, "int: lines that arrived after a newer one."),
+      Field("foreign", &LineCounts::foreign, "int: lines of another sender than the current one."));
   define_record(counts, fields);
   define_repr(counts, fields);
 }
@@ -73,11 +72,11 @@ std::optional<double> given(double limit) {
 
 void bind_limits(py::module_& module) {
   Class<Limits> limits(public_in(module, "robsim.lab"), "Limits", R"(
-What the motors of a robot are asked for at most.
+Limits of the inputs of a robot's motors.
 
-Both motors are scaled by one factor, so that the robot drives the same curve more slowly: if each
-were cut off by itself, a curve would become another one. The change from one input to the next is
-scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes at once.
+Both motors are scaled by one factor, so that the robot drives the same curve more slowly. Separate
+limits would change the curve. The change from one input to the next is
+scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes unchanged.
 
 Parameters
 ----------
@@ -89,7 +88,7 @@ slew_rate : float, optional
 Raises
 ------
 ValueError
-    If one is not above 0.
+    If a limit is not above 0.
 
 Examples
 --------
@@ -120,11 +119,11 @@ Return the input within the limits.
 Parameters
 ----------
 u : array (2,)
-    The input that is wanted (V).
+    The wanted input (V).
 before : array (2,)
-    The one that the motors have (V).
+    The present input of the motors (V).
 dt : float
-    How long they have had it (s).
+    Duration of the present input (s).
 
 Returns
 -------
@@ -149,9 +148,9 @@ void bind_link(py::module_& module) {
            }),
            "line"_a, py::kw_only(), "ttl"_a, "hold"_a)
       .def("__call__", &MotorLink::send, "u"_a, no_interpreter, R"(
-Send an input, and return when it went out.
+Send an input, and return its time.
 
-The interpreter goes on meanwhile. The link repeats it until the next one comes.
+The interpreter continues meanwhile. The link repeats the input until the next one.
 
 Parameters
 ----------
@@ -161,60 +160,58 @@ u : array (2,)
 Returns
 -------
 float
-    When it was written to the line (s, clock of time.monotonic).
+    Time of writing it to the line (s, clock of time.monotonic).
 
 Raises
 ------
 robsim.lab.LineError
-    If the line cannot be written to within 50 ms, or went wrong since the last input; the robot is
-    then told to stop, again and again for 2 s.
+    If the line cannot be written within 50 ms, or failed since the last input; the link then sends
+    stops to the robot for 2 s.
 robsim.lab.HaltedError
-    If the robot was halted: by a frame that did not come in time, for one.
+    If the robot was halted, for example because a frame was late.
 ValueError
     If an input is beyond 1000 V.
 )")
       .def("stop", &MotorLink::stop, no_interpreter, R"(
-Stop the robot: tell it at once, and again for 2 s, five times in the first 0.1 s.
+Stop the robot: send a stop at once, and repeat it for 2 s, five times in the first 0.1 s.
 
 Returns
 -------
 float
-    When it was told (s, clock of time.monotonic).
+    Time of the first stop (s, clock of time.monotonic).
 
 Raises
 ------
 robsim.lab.LineError
-    If the line cannot be written to; it is tried again.
+    If the line cannot be written; the link tries again.
 )")
       .def("_check_stop", &MotorLink::check_stop,
-           "Raise LineError, once, if the last stop did not get into the line.")
+           "Raise LineError, once, if the last stop was not sent.")
       .def(
           "halt", [](MotorLink& self) { self.halt(); }, no_interpreter,
           "Stop the robot, and refuse inputs until `resume` is called; raises nothing.")
-      .def("resume", &MotorLink::resume, no_interpreter, "Take inputs again after `halt`.")
+      .def("resume", &MotorLink::resume, no_interpreter, "Accept inputs again after `halt`.")
       .def("close", &MotorLink::close, no_interpreter, R"(
-Stop the robot and close the line; the second time it does nothing.
+Stop the robot and close the line; a second call does nothing.
 
 Raises
 ------
 robsim.lab.LineError
-    If the line went wrong since the last input: the robot may not have been told to stop.
+    If the line failed since the last input: the robot may not have received the stop.
 )")
-      .def_property_readonly("name", &MotorLink::name, "str: what the line is called in errors.")
+      .def_property_readonly("name", &MotorLink::name, "str: name of the line in errors.")
       .def_property_readonly("ttl", &MotorLink::time_to_live,
-                             "float: the robot stops by itself when it hears nothing for so long "
-                             "(s).")
+                             "float: the robot stops if it receives nothing for so long (s).")
       .def_property_readonly("hold", &MotorLink::hold,
-                             "float: the link stops the robot when no input is sent for so long "
-                             "(s).")
-      .def_property_readonly("is_halted", &MotorLink::is_halted, "bool: True if it refuses inputs.")
+                             "float: the link stops the robot if no input is sent for so long (s).")
+      .def_property_readonly("is_halted", &MotorLink::is_halted,
+                             "bool: True if the link refuses inputs.")
       .def_property_readonly("is_closed", &MotorLink::is_closed, "bool: True after `close`.")
       .def_property_readonly("events", &MotorLink::events,
-                             "list of MotorEvent: what was sent; the newest 100 000.")
-      .def_property_readonly(
-          "is_silent", &MotorLink::is_silent,
-          "bool: whether lines go out, and the robot, which answered before, has answered none for "
-          "a second.")
+                             "list of MotorEvent: the sent lines; the newest 100 000.")
+      .def_property_readonly("is_silent", &MotorLink::is_silent,
+                             "bool: whether lines are sent, and a robot that answered before has "
+                             "not answered for a second.")
       .def_property_readonly(
           "round_trip_times",
           [](const MotorLink& self) {
@@ -268,14 +265,14 @@ double checked_seconds(const char* name, double time) {
 
 void bind_receiver(py::module_& module) {
   Class<ReceivedInput, std::shared_ptr<ReceivedInput>>(
-      public_in(module, "robsim._core"), "ReceivedInput", "What a robot has received.")
+      public_in(module, "robsim._core"), "ReceivedInput", "The inputs received by a robot.")
       .def(
           "mean",
           [](const ReceivedInput& self, double start, double end) {
             return self.mean(checked_seconds("start", start), checked_seconds("end", end));
           },
           "start"_a, "end"_a, R"(
-Return the mean of what the robot acted upon between two times.
+Return the mean input of the robot's motors between two times.
 
 Parameters
 ----------
@@ -285,7 +282,7 @@ start, end : float
 Returns
 -------
 array (2,)
-    The input (V); 0 while it stood. If both times are one, that at this time.
+    The input (V); 0 while the robot stood. For equal times, the input at this time.
 
 Raises
 ------
@@ -295,29 +292,29 @@ ValueError
 
   Class<MotorReceiver, ReceivedInput, std::shared_ptr<MotorReceiver>>(
       public_in(module, "robsim.lab"), "MotorReceiver", R"(
-The robot's end of a line: reads inputs as PROTOCOL.md demands of a robot, in a thread of its own.
+The robot's end of a line: reads inputs as PROTOCOL.md requires of a robot, in a separate thread.
 
-It stands in for a robot, in rehearsals and tests. It stops by itself when it hears nothing valid
-for the time to live that the sender gave.
+It replaces a robot in rehearsals and tests. It stops if it receives no valid line for the time to
+live set by the sender.
 
 Parameters
 ----------
 port : int
-    Port that it listens at for UDP; 0 = any that is free, see `port`.
+    UDP port to listen on; 0 = any free port, see `port`.
 host : str
-    Address that it listens at.
+    Address to listen on.
 descriptor : int, optional
-    A file descriptor to read in place of UDP, such as an end of a pseudo-terminal. It is copied,
-    and made non-blocking.
+    A file descriptor to read instead of UDP, such as an end of a pseudo-terminal. It is copied, and
+    made non-blocking.
 actuation_delay : float
-    What it hears, it acts upon so much later (s).
+    Delay from receiving an input to acting on it (s).
 answers : bool
-    Whether it answers each valid line, so that the sender knows the round trip time.
+    Whether to answer each valid line, so that the sender knows the round trip time.
 
 Raises
 ------
 robsim.lab.LineError
-    If the port is taken, or there is no such address.
+    If the port is in use, or the address does not exist.
 
 Examples
 --------
@@ -328,7 +325,7 @@ Examples
       .def(py::init(&make_receiver), "port"_a = 0, py::kw_only(), "host"_a = "127.0.0.1",
            "descriptor"_a = py::none(), "actuation_delay"_a = 0.0, "answers"_a.noconvert() = true)
       .def("close", &MotorReceiver::close, no_interpreter,
-           "Hear no more: it stops when the time to live is over.")
+           "Stop listening; the robot stops at the end of the time to live.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def(
           "__exit__",
@@ -336,19 +333,19 @@ Examples
             self.close();
           },
           "kind"_a, "error"_a, "traceback"_a, no_interpreter)
-      .def_property_readonly("name", &MotorReceiver::name, "str: what the line is called.")
+      .def_property_readonly("name", &MotorReceiver::name, "str: name of the line.")
       .def_property_readonly("port", &MotorReceiver::port,
-                             "int: the port that it listens at; 0 for a descriptor.")
+                             "int: the port to listen on; 0 for a descriptor.")
       .def_property_readonly("actuation_delay", &MotorReceiver::actuation_delay,
-                             "float: what it hears, it acts upon so much later (s).")
+                             "float: delay from receiving an input to acting on it (s).")
       .def_property_readonly("is_closed", &MotorReceiver::is_closed, "bool: True after `close`.")
       .def_property_readonly("input", &MotorReceiver::input,
-                             "array (2,): what it acts upon now (V).")
-      .def_property_readonly("events", &MotorReceiver::events,
-                             "list of MotorEvent: what it heard, and when it stopped by itself; "
-                             "the newest 100 000.")
+                             "array (2,): the present input of the motors (V).")
+      .def_property_readonly(
+          "events", &MotorReceiver::events,
+          "list of MotorEvent: received lines and its own stops; the newest 100 000.")
       .def_property_readonly("counts", &MotorReceiver::counts,
-                             "LineCounts: how many lines it heard.")
+                             "LineCounts: numbers of received lines.")
       .def("__repr__", [](const MotorReceiver& self) {
         return "<MotorReceiver at " + self.name() + (self.is_closed() ? ", closed>" : ">");
       });
@@ -358,7 +355,7 @@ Examples
 
 void bind_motors(py::module_& module) {
   bind_error<LineError>(module, "LineError", PyExc_OSError,
-                        "A line to a robot cannot be opened, read or written to.");
+                        "A line to a robot cannot be opened, read or written.");
   bind_error<HaltedError>(module, "HaltedError", PyExc_RuntimeError,
                           "An input was refused, since the robot was halted.");
   bind_event(module);

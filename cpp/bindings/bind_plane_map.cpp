@@ -100,7 +100,7 @@ void define_map(Class& cls, const char* method, Point (Class::type::*map)(const 
 
 void bind_intrinsics(py::module_& module) {
   Class<Intrinsics> intrinsics(public_in(module, "robsim.vision"), "Intrinsics", R"(
-A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
+A camera's focal lengths, principal point and distortion, from a calibration of its lens.
 
 Parameters
 ----------
@@ -113,18 +113,19 @@ distortion : array (5,), optional
 Raises
 ------
 TypeError, ValueError
-    If the shapes are others, a number is not finite, or a focal length not above 0.
+    If the shapes are wrong, a number is not finite, or a focal length not above 0.
 
 Notes
 -----
-What an ideal lens would show at x = (u - cx) / fx, y = (v - cy) / fy, with r^2 = x^2 + y^2, appears
-at ::
+Let an ideal lens show a point at x = (u - cx) / fx, y = (v - cy) / fy, with r^2 = x^2 + y^2. The
+real lens shows it at ::
 
     x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
     y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
 
-as far as that grows with r; farther out the lens would fold the picture over, and both ways give
-NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971;
+as long as this grows with r. Farther out the lens would fold the picture over, and both directions
+give NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8),
+1971;
 ``cv2.calibrateCamera`` gives the coefficients in the same order.
 
 Examples
@@ -143,7 +144,7 @@ array([-10. ,  -7.5])
   define_value(intrinsics, fields);
   define_repr(intrinsics, fields);
   define_map(intrinsics, "distorted", &Intrinsics::distorted, "pixels", R"(
-Return where frames show what an ideal lens would show at these pixels.
+Return the frame pixels for pixels of an ideal lens.
 
 Parameters
 ----------
@@ -156,7 +157,7 @@ array (2,) or (N, 2)
     Pixels (u, v) of the frames; NaN where the lens shows nothing.
 )");
   define_map(intrinsics, "ideal", &Intrinsics::ideal, "pixels", R"(
-Return where an ideal lens would show what frames show at these pixels.
+Return the pixels of an ideal lens for frame pixels.
 
 Parameters
 ----------
@@ -179,8 +180,8 @@ Parameters
 matrix : array (3, 3), optional
     Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
 intrinsics : Intrinsics, optional
-    Those of the camera: its lens first leads from (u, v) to the ideal pixel, from where the
-    homography goes on. Default: the pixels are ideal.
+    The camera's intrinsics: its lens first maps (u, v) to the ideal pixel, which the homography
+    maps further. Default: the pixels are ideal.
 
 Raises
 ------
@@ -246,18 +247,18 @@ pixels : array (N, 2)
 positions : array (N, 2)
     Positions (x, y) of these points on the work area, in the same order (work-area px).
 intrinsics : Intrinsics, optional
-    Those of the camera. Default: its lens does not distort.
+    The camera's intrinsics. Default: no lens distortion.
 
 Returns
 -------
 PlaneMap
-    Of four points, the only homography that takes each pixel to its position; of more, the one with
-    the least squared distances. ``plane_map.to_world(pixels) - positions`` says how far off it is.
+    For four points, the only homography that takes each pixel to its position; for more, the one
+    with the least squared distances. ``plane_map.to_world(pixels) - positions`` is its error.
 
 Raises
 ------
 TypeError, ValueError
-    If the shapes are others, too many points lie on a line, the positions are in another order
+    If the shapes are wrong, too many points lie on a line, the positions are in another order
     than the pixels, or the lens shows nothing at a pixel.
 
 Examples
@@ -269,17 +270,17 @@ Examples
 array([1199.,    0.])
 )")
       .def("at_height", &PlaneMap::at_height, "height"_a, R"(
-Return the map of what lies above the floor, such as markers on a robot.
+Return the map of a plane above the floor, such as the plane of a robot's markers.
 
 Parameters
 ----------
 height : float
-    How far above what this map is of (work-area px).
+    Height above the plane of this map (work-area px).
 
 Returns
 -------
 PlaneMap
-    Pixels <-> the places on the work area above which they lie.
+    Pixels <-> places on the work area, straight below the points.
 
 Raises
 ------

@@ -89,27 +89,27 @@ py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint
 
 void bind_scene(py::module_& module) {
   Class<Scene, std::shared_ptr<Scene>>(public_in(module, "robsim.simulation"), "Scene", R"(
-The floor and the robot of a Renderer; it never changes, and any number can share it.
+The floor and the robot of a Renderer; immutable, so that any number of renderers can share it.
 
 Parameters
 ----------
 floor, home : tuple of two arrays (H, W, 3) of uint8
-    What repeats around the work area, and the work area itself: each lit and in the shadow, in
-    camera pixels.
+    The floor that repeats around the work area, and the work area itself: each lit and in the
+    shadow, in camera pixels.
 shadow_left : int
-    First column of the view that lies in the shadow (px).
+    First column of the shadow in the view (px).
 shadow_factor : float
-    Brightness of the robot in the shadow relative to that in the light.
+    Brightness of the robot in the shadow relative to the light.
 sprite : array (h, w, 4) of uint8
     The robot's image, RGBA.
 centre : array (2,)
     The robot's centre in the sprite (sprite px).
 unit : float
-    Work-area px that a sprite pixel stands for.
+    Work-area px per sprite pixel.
 alignment : float
-    What turns the sprite clockwise so that the robot faces +x (rad).
+    Clockwise rotation of the sprite that makes the robot face +x (rad).
 headings : int
-    Number of headings the robot is shown in, at whole pixels; 0 = any heading and position.
+    Number of drawn headings of the robot, at whole pixels; 0 = any heading and position.
 area : tuple of int
     Width and height of the work area (px).
 )")
@@ -125,19 +125,19 @@ area : tuple of int
       });
 
   Class<Renderer>(public_in(module, "robsim.simulation"), "Renderer", R"(
-Draws what the ceiling camera sees, without noise.
+Draws the ceiling camera's view, without noise.
 
 Parameters
 ----------
 scene : Scene
-    What it draws; other renderers may share it.
+    The scene to draw; other renderers may share it.
 )")
       .def(py::init([](std::shared_ptr<Scene> scene) { return Renderer(std::move(scene)); }),
            "scene"_a.none(false))
       .def_property_readonly(
           "scene",
           [](const Renderer& self) { return std::const_pointer_cast<Scene>(self.scene()); },
-          "Scene: what it draws, for other renderers.")
+          "Scene: the drawn scene, for other renderers.")
       .def("render", &rendered, "pose"_a, "pan"_a = std::make_pair(0, 0), py::kw_only(),
            "out"_a = py::none(), R"(
 Return the image of the robot at a pose.
@@ -147,14 +147,14 @@ Parameters
 pose : array (3,)
     x, y (work-area px), heading (rad).
 pan : tuple of int
-    By how much the view is moved (camera px).
+    Shift of the view (camera px).
 out : array (H, W, 3) of uint8, optional
-    Where to draw the image. Default: memory of the renderer.
+    Array for the image. Default: memory of the renderer.
 
 Returns
 -------
 array (H, W, 3) of uint8
-    `out`, if it was given. Otherwise read-only; it stays what it is as long as you hold it.
+    `out`, if it was given. Otherwise a read-only image, unchanged while you hold it.
 
 Raises
 ------

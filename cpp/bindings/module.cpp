@@ -39,7 +39,7 @@ void translate_errors() {
 
 PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters::not_supported()) {
   if (!is_main_interpreter()) throw py::import_error(in_sub_interpreter);
-  module.doc() = "The C++ core of robsim. What users need of it is re-exported by robsim.";
+  module.doc() = "The C++ core of robsim. robsim re-exports its public part.";
   translate_errors();
   // A class comes before the signatures that show it.
   for (Binding* bind : {bind_base,        bind_plane_maps, bind_imaging,    bind_capture,

@@ -1,5 +1,5 @@
 """
-The C++ core of robsim. What users need of it is re-exported by robsim.
+The C++ core of robsim. robsim re-exports its public part.
 """
 from __future__ import annotations
 import collections.abc
@@ -9,7 +9,7 @@ import typing
 __all__: list[str] = ['Arrival', 'Blob', 'CameraFaults', 'CaptureDevice', 'ColorClass', 'Controller', 'Detection', 'DriveAround', 'Estimate', 'ExternalWorld', 'Frame', 'Grabber', 'HaltedError', 'Intrinsics', 'Laboratory', 'LaboratoryCamera', 'LeastSquaresFit', 'Limits', 'Line', 'LineCounts', 'LineError', 'Loop', 'MarkerLayout', 'Measurement', 'MessageSocket', 'MissedDetections', 'MotorEvent', 'MotorLink', 'MotorReceiver', 'Observation', 'PlaneMap', 'PythonCamera', 'RaisedRobot', 'ReceivedInput', 'RecursiveLeastSquares', 'RemoteRobot', 'RemoteWorld', 'Renderer', 'Replay', 'RobotModel', 'RobotParameters', 'Sample', 'Scene', 'SharedFrames', 'Sights', 'SimulatedWorld', 'Spin', 'Step', 'StreamedCamera', 'TraceGroup', 'Unicycle', 'VisualNoise', 'Warp', 'World', 'WorldState', 'atan2', 'check_mean_interval', 'classify', 'color_histograms', 'cos', 'cpu_path', 'cpu_paths', 'detect', 'detection_reasons', 'exp', 'expected_signal_to_noise', 'find_blobs', 'fitting_roles', 'force_cpu_path', 'frame_noise', 'hypot', 'is_whole_jpeg', 'least_squares', 'locate', 'log', 'marker_roles', 'model_steps', 'parse_line', 'path_sensitivities', 'pixel_formats', 'random_normal', 'random_uniform', 'rank_tolerance', 'reduced', 'regression', 'relative_masks', 'rgb_to_yuv', 'second_order_recursion', 'simulated_path', 'sin', 'small_markers_remark', 'surrounding_chroma', 'to_line', 'to_rgb', 'trace_schema', 'trusted_width', 'view_warp', 'wrap_angle']
 class Intrinsics:
     """
-    A camera's focal lengths, principal point and distortion, as a calibration of its lens gives them.
+    A camera's focal lengths, principal point and distortion, from a calibration of its lens.
     
     Parameters
     ----------
@@ -22,18 +22,19 @@ class Intrinsics:
     Raises
     ------
     TypeError, ValueError
-        If the shapes are others, a number is not finite, or a focal length not above 0.
+        If the shapes are wrong, a number is not finite, or a focal length not above 0.
     
     Notes
     -----
-    What an ideal lens would show at x = (u - cx) / fx, y = (v - cy) / fy, with r^2 = x^2 + y^2, appears
-    at ::
+    Let an ideal lens show a point at x = (u - cx) / fx, y = (v - cy) / fy, with r^2 = x^2 + y^2. The
+    real lens shows it at ::
     
         x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
         y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
     
-    as far as that grows with r; farther out the lens would fold the picture over, and both ways give
-    NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971;
+    as long as this grows with r. Farther out the lens would fold the picture over, and both directions
+    give NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8),
+    1971;
     ``cv2.calibrateCamera`` gives the coefficients in the same order.
     
     Examples
@@ -60,7 +61,7 @@ class Intrinsics:
         ...
     def distorted(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return where frames show what an ideal lens would show at these pixels.
+        Return the frame pixels for pixels of an ideal lens.
         
         Parameters
         ----------
@@ -74,7 +75,7 @@ class Intrinsics:
         """
     def ideal(self, pixels: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return where an ideal lens would show what frames show at these pixels.
+        Return the pixels of an ideal lens for frame pixels.
         
         Parameters
         ----------
@@ -105,8 +106,8 @@ class PlaneMap:
     matrix : array (3, 3), optional
         Homography that takes (u, v, 1) to (x, y, 1) times a number. Default: the identity.
     intrinsics : Intrinsics, optional
-        Those of the camera: its lens first leads from (u, v) to the ideal pixel, from where the
-        homography goes on. Default: the pixels are ideal.
+        The camera's intrinsics: its lens first maps (u, v) to the ideal pixel, which the homography
+        maps further. Default: the pixels are ideal.
     
     Raises
     ------
@@ -125,18 +126,18 @@ class PlaneMap:
         positions : array (N, 2)
             Positions (x, y) of these points on the work area, in the same order (work-area px).
         intrinsics : Intrinsics, optional
-            Those of the camera. Default: its lens does not distort.
+            The camera's intrinsics. Default: no lens distortion.
         
         Returns
         -------
         PlaneMap
-            Of four points, the only homography that takes each pixel to its position; of more, the one with
-            the least squared distances. ``plane_map.to_world(pixels) - positions`` says how far off it is.
+            For four points, the only homography that takes each pixel to its position; for more, the one
+            with the least squared distances. ``plane_map.to_world(pixels) - positions`` is its error.
         
         Raises
         ------
         TypeError, ValueError
-            If the shapes are others, too many points lie on a line, the positions are in another order
+            If the shapes are wrong, too many points lie on a line, the positions are in another order
             than the pixels, or the lens shows nothing at a pixel.
         
         Examples
@@ -175,17 +176,17 @@ class PlaneMap:
         ...
     def at_height(self, height: float) -> PlaneMap:
         """
-        Return the map of what lies above the floor, such as markers on a robot.
+        Return the map of a plane above the floor, such as the plane of a robot's markers.
         
         Parameters
         ----------
         height : float
-            How far above what this map is of (work-area px).
+            Height above the plane of this map (work-area px).
         
         Returns
         -------
         PlaneMap
-            Pixels <-> the places on the work area above which they lie.
+            Pixels <-> places on the work area, straight below the points.
         
         Raises
         ------
@@ -239,23 +240,23 @@ class PlaneMap:
         """
 class Frame:
     """
-    A camera image with its time: all that the robot half gets to know of the world.
+    A camera image with its time: the robot half's only data about the world.
     
-    The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these, or the red and the blue marker
-    change places, and the robot is measured facing backwards, in a wrong place.
+    The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these. Otherwise the red and the blue
+    marker change places, and the robot is measured facing backwards, in a wrong place.
     
     Parameters
     ----------
     image : array (H, W, 3) of uint8
         RGB pixels. With ``copy=False`` any buffer of this type and shape.
     copy : bool
-        False: take the pixels where they are, such as in shared memory. The frame keeps the array
-        alive and always shows what is in its memory now: who overwrites it, changes the frame, and
-        what it equals and its hash with it.
+        False: use the array's own memory, such as shared memory. The frame keeps the array alive and
+        always shows its present content. Overwriting the memory changes the frame, its hash and its
+        equality.
     t : float, optional
-        Time (s): that of the exposure, if the camera knows it. None: it has no time of its own.
+        Time (s), of the exposure if the camera knows it. None: the frame has no time.
     t_arrival : float, optional
-        When it reached this computer, by the clock of `t` (s).
+        Arrival at this computer, by the clock of `t` (s).
     epoch : float, optional
         ``time.monotonic()`` when `t` was 0 (s).
     index : int
@@ -263,14 +264,13 @@ class Frame:
     plane_map : PlaneMap, optional
         Pixels to work area. Default: the identity.
     headings : int, optional
-        Number of headings that the robot is drawn in, at whole pixels, as in frames of a simulation:
-        its pose cannot be measured better than that, and the covariance of a measurement says so.
-        Default: any, as a camera sees it. A frame made of the pixels of a simulated one alone does not
-        know: say it.
+        Number of drawn headings of the robot, at whole pixels, as in frames of a simulation: no
+        measurement of its pose is better, and the covariance includes this. Default: any, as in a
+        camera's view. A frame made only from the pixels of a simulated one needs this number.
     
     Examples
     --------
-    A frame in shared memory, which then stays open as long as the frame (under a mere
+    A frame in shared memory, which then stays open as long as the frame (with only
     ``np.ndarray(..., buffer=shared.buf)`` it could be closed):
     
     >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
@@ -294,7 +294,7 @@ class Frame:
         """
     def __array__(self, dtype: typing.Any = None, copy: typing.Any = None) -> typing.Any:
         """
-        Return the image: numpy and matplotlib take a frame for its pixels.
+        Return the image, so that numpy and matplotlib accept a frame as its pixels.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -314,7 +314,7 @@ class Frame:
         ...
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         """
-        Return the image as a PNG file and how wide it is shown: a frame shows itself in a notebook.
+        Return the image as a PNG file and its displayed width: notebooks display a frame.
         """
     @property
     def epoch(self) -> float | None:
@@ -324,13 +324,13 @@ class Frame:
     @property
     def headings(self) -> int | None:
         """
-        int or None: number of headings that the robot is drawn in.
+        int or None: number of drawn headings of the robot.
         """
     @property
     def image(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
-        array (H, W, 3) of uint8: RGB, read-only; unless it was made with ``copy=False``,
-        C-contiguous and never overwritten while you hold it.
+        array (H, W, 3) of uint8: RGB, read-only. Without ``copy=False`` it is C-contiguous and
+        never overwritten while you hold it.
         """
     @property
     def index(self) -> int:
@@ -350,11 +350,11 @@ class Frame:
     @property
     def t_arrival(self) -> float | None:
         """
-        float or None: when it reached this computer, by the clock of `t` (s).
+        float or None: arrival at this computer, by the clock of `t` (s).
         """
 class Warp:
     """
-    Makes an image from another, each pixel at its own place.
+    Makes an image from another by moving each pixel.
     """
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -362,7 +362,7 @@ class Warp:
         ...
 class CaptureDevice:
     """
-    A camera as a grabber sees it. Users take robsim.Camera.
+    A camera for a grabber. Users take robsim.Camera.
     """
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -373,12 +373,12 @@ class PythonCamera(CaptureDevice):
     Parameters
     ----------
     camera : object
-        With ``open()`` and ``close()``, each of which may follow the other any number of times, and
-        ``read()``: None if no frame came within 0.1 s or so; or a pair (image, exposed), where image is
-        a uint8 array (H, W, 3), or None if it was torn, and exposed the time of its exposure
-        (``time.monotonic()``, s), or None if nobody knows it. Three numbers may follow: when it
-        arrived (the same clock, s), how many complete images came before it that were passed over, and
-        how many torn ones. They raise a CaptureError.
+        With ``open()`` and ``close()``, called in turn any number of times, and ``read()``. ``read()``
+        returns None if no frame came within 0.1 s or so, or a pair (image, exposed). The image is a
+        uint8 array (H, W, 3), or None if it was torn; exposed is the time of its exposure
+        (``time.monotonic()``, s), or None if unknown. Three numbers may follow: the time of its arrival
+        (the same clock, s), the number of complete images skipped before this one, and of torn ones.
+        All three methods raise CaptureError.
     bgr : bool
         Whether the images are in OpenCV's order; otherwise they are RGB.
     """
@@ -388,7 +388,7 @@ class PythonCamera(CaptureDevice):
         ...
 class StreamedCamera(CaptureDevice):
     """
-    A camera that another process reads: open() of its object returns the descriptor of a socket that frames come from, and close() ends the process.
+    A camera that another process reads: open() of its object returns the descriptor of a socket for the frames, and close() ends the process.
     """
     def __init__(self, camera: typing.Any) -> None:
         ...
@@ -400,7 +400,7 @@ class Grabber:
     """
     def __call__(self, timeout: float) -> Frame | None:
         """
-        Return the newest frame, not taken yet; None without a new one.
+        Return the newest frame if it was not taken yet, else None.
         """
     def __init__(self, device: CaptureDevice, *, every: int = 1, frame_timeout: float = 1.0, reopen: bool = False, interval: float | None = None, plane_map: PlaneMap | None = None, area: tuple[int, int] | None = None, size: tuple[int, int] | None = None, headings: int | None = None) -> None:
         ...
@@ -408,11 +408,11 @@ class Grabber:
         ...
     def close(self, patience: float = 1.0) -> None:
         """
-        End the thread; leave it behind if it hangs for `patience` s.
+        End the thread; abandon it if it hangs for `patience` s.
         """
     def wait_for_size(self, timeout: float) -> tuple[int, int] | None:
         """
-        Return (width, height) of the first frame; None if it did not come.
+        Return (width, height) of the first frame; None without a frame.
         """
     @property
     def counts(self) -> typing.Annotated[list[int], "FixedSize(6)"]:
@@ -422,16 +422,16 @@ class Grabber:
     @property
     def kept_rate(self) -> tuple[float, float] | None:
         """
-        The rate that is sent, and the promised one (1/s); None: the same.
+        The actual and the promised frame rate (1/s); None: they are equal.
         """
     @property
     def newest(self) -> Frame | None:
         """
-        Frame or None: the one that was taken last.
+        Frame or None: the last taken frame.
         """
 class RobotParameters:
     """
-    The physical robot; the defaults are those of the original program.
+    The physical robot; the defaults are the original program's.
     
     Parameters
     ----------
@@ -453,7 +453,7 @@ class RobotParameters:
     Raises
     ------
     ValueError
-        If a value is not physical; the sentence says which one and why.
+        If a value is not physical; the message names the value and the reason.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -521,7 +521,7 @@ class RobotModel:
     One-step predictor of a differential-drive robot, linear in its 15 parameters.
     
     Per axis: x(k) = a1 x(k-1) + a2 x(k-2) + (b1 u1(k-1) + b2 u2(k-1) + d1) cos heading(k-1), with sin
-    for y and 1 for the heading. Nothing in the equations forbids the robot to slide sideways.
+    for y and 1 for the heading. The equations allow the robot to slide sideways.
     
     Parameters
     ----------
@@ -568,7 +568,7 @@ class RobotModel:
         ...
     def jacobian(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return the derivatives of the pose of step k by the two poses before.
+        Return the derivatives of the pose of step k by the two previous poses.
         
         Parameters
         ----------
@@ -580,7 +580,7 @@ class RobotModel:
         Returns
         -------
         array (3, 6) or (N, 3, 6)
-            Columns 0..2: the derivatives by x, y and heading of `pose_1`; 3..5: by those of `pose_2`.
+            Columns 0..2: the derivatives by x, y and heading of `pose_1`; 3..5: of `pose_2`.
         
         Raises
         ------
@@ -589,7 +589,7 @@ class RobotModel:
         """
     def predict(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike, *, unwrapped: bool = False) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return the pose of step k, or those of N steps.
+        Return the pose of step k, or the poses of N steps.
         
         Parameters
         ----------
@@ -598,8 +598,7 @@ class RobotModel:
         u : array (2,) or (N, 2)
             Input of step k-1 (V).
         unwrapped : bool
-            Take the headings as they are, without a jump by a full turn, and do not wrap that of the
-            result.
+            Use the headings unchanged, without a jump by a full turn, and do not wrap the result's heading.
         
         Returns
         -------
@@ -623,7 +622,7 @@ class RobotModel:
         Raises
         ------
         ValueError
-            If it is not a multiple of the model's dt, at least one, within a quarter of that dt.
+            If the time is not a multiple of the model's dt, at least one, within a quarter of that dt.
         """
     @property
     def dt(self) -> float:
@@ -637,27 +636,27 @@ class RobotModel:
         """
 class Scene:
     """
-    The floor and the robot of a Renderer; it never changes, and any number can share it.
+    The floor and the robot of a Renderer; immutable, so that any number of renderers can share it.
     
     Parameters
     ----------
     floor, home : tuple of two arrays (H, W, 3) of uint8
-        What repeats around the work area, and the work area itself: each lit and in the shadow, in
-        camera pixels.
+        The floor that repeats around the work area, and the work area itself: each lit and in the
+        shadow, in camera pixels.
     shadow_left : int
-        First column of the view that lies in the shadow (px).
+        First column of the shadow in the view (px).
     shadow_factor : float
-        Brightness of the robot in the shadow relative to that in the light.
+        Brightness of the robot in the shadow relative to the light.
     sprite : array (h, w, 4) of uint8
         The robot's image, RGBA.
     centre : array (2,)
         The robot's centre in the sprite (sprite px).
     unit : float
-        Work-area px that a sprite pixel stands for.
+        Work-area px per sprite pixel.
     alignment : float
-        What turns the sprite clockwise so that the robot faces +x (rad).
+        Clockwise rotation of the sprite that makes the robot face +x (rad).
     headings : int
-        Number of headings the robot is shown in, at whole pixels; 0 = any heading and position.
+        Number of drawn headings of the robot, at whole pixels; 0 = any heading and position.
     area : tuple of int
         Width and height of the work area (px).
     """
@@ -674,12 +673,12 @@ class Scene:
         """
 class Renderer:
     """
-    Draws what the ceiling camera sees, without noise.
+    Draws the ceiling camera's view, without noise.
     
     Parameters
     ----------
     scene : Scene
-        What it draws; other renderers may share it.
+        The scene to draw; other renderers may share it.
     """
     def __init__(self, scene: Scene) -> None:
         ...
@@ -694,14 +693,14 @@ class Renderer:
         pose : array (3,)
             x, y (work-area px), heading (rad).
         pan : tuple of int
-            By how much the view is moved (camera px).
+            Shift of the view (camera px).
         out : array (H, W, 3) of uint8, optional
-            Where to draw the image. Default: memory of the renderer.
+            Array for the image. Default: memory of the renderer.
         
         Returns
         -------
         array (H, W, 3) of uint8
-            `out`, if it was given. Otherwise read-only; it stays what it is as long as you hold it.
+            `out`, if it was given. Otherwise a read-only image, unchanged while you hold it.
         
         Raises
         ------
@@ -711,7 +710,7 @@ class Renderer:
     @property
     def scene(self) -> Scene:
         """
-        Scene: what it draws, for other renderers.
+        Scene: the drawn scene, for other renderers.
         """
 class VisualNoise:
     """
@@ -727,7 +726,7 @@ class VisualNoise:
         """
 class ColorClass:
     """
-    A named colour: a pixel belongs to it when its Y, U and V lie within the ranges.
+    A named colour: a pixel belongs to it if its Y, U and V lie within the ranges.
     
     Parameters
     ----------
@@ -749,12 +748,13 @@ class ColorClass:
             As for `from_region`.
         around : array (2, 2), optional
             Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
-            known; then a colour counts from 16 levels from grey on, or 1/4 of its luma if that is less.
+            known; a colour then counts from a distance to grey of 16 levels, or of 1/4 of its luma if that
+            is less.
         """
     @staticmethod
     def from_region(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int], *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False) -> ColorClass:
         """
-        Return the colour class of a region of an image, such as that of a marker.
+        Return the colour class of a region of an image, such as a marker's.
         
         Parameters
         ----------
@@ -768,24 +768,25 @@ class ColorClass:
         percentile : float
             Percentage of the pixels outside the range found in a channel, at each end.
         margin : int
-            How far the ranges found are widened (levels).
+            Widening of the ranges found (levels).
         limit_y : bool
             Whether the class limits Y, too. Light and shadow change Y, so by default any Y belongs.
         
         Raises
         ------
         TypeError, ValueError
-            For an image or a region of the wrong type or shape, a region outside the image, options out
-            of range, and a grey region, which only Y can distinguish: see `limit_y`.
+            For an image or a region of the wrong type or shape, a region outside the image, or options out
+            of range. Also for a grey region, which only Y can distinguish: see `limit_y`.
         
         Notes
         -----
         Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
         it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
         stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
-        the class, however large the margin. A weak colour counts if the median of the region is farther
-        from grey than the rest of the image, by 4 standard deviations of the mean of 7 x 7 pixels and at
-        least 3 levels, and as far from grey itself, and at least 1/8 of its luma or 16 levels.
+        the class, even with a large margin. A weak colour counts under two conditions. The median of the
+        region is farther from grey than the rest of the image, by 4 standard deviations of the mean of 7 x
+        7 pixels and at least 3 levels. The same distance holds to grey itself, and is at least 1/8 of its
+        luma or 16 levels.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -810,7 +811,7 @@ class ColorClass:
         Parameters
         ----------
         margin : int
-            How many levels each end moves outwards; negative: inwards. Ends at 0 and 255 are open and
+            Shift of each end outwards (levels); negative: inwards. Ends at 0 and 255 are open and
             do not move.
         
         Raises
@@ -840,11 +841,11 @@ class ColorClass:
         """
 class MarkerLayout:
     """
-    The two markers of a robot, their colours and positions: what turns a pair of blobs into a pose.
+    The two markers of a robot, their colours and positions, which turn a pair of blobs into a pose.
     
-    A marker has a role, which says where it sits on the robot, and a colour, by which it is found. The
-    two are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. Of
-    markers one behind the other, ``"front"`` and ``"back"``, and of other arrangements see
+    A marker has a role, which gives its place on the robot, and a colour, by which it is found. The two
+    are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. For
+    markers one behind the other, ``"front"`` and ``"back"``, and for other arrangements see
     `from_markers` and `from_positions`.
     
     Parameters
@@ -852,18 +853,17 @@ class MarkerLayout:
     distance : float
         Distance between the centroids of the two markers (work-area px).
     offset : float
-        From the midpoint of the markers forward to the robot's centre (work-area px).
+        Distance from the midpoint of the markers forward to the robot's centre (work-area px).
     distance_tolerance : float
         Maximum deviation of a pair's distance, as a fraction of the distance.
     area_tolerance : float
         Maximum ratio between a blob's area and the marker's or, where the marker areas are not known,
         between the areas of a pair.
     maximum_blobs : int
-        How many blobs of a colour are considered, the largest first.
+        Number of considered blobs of a colour, the largest first.
     colors : dict of str to str, optional
-        By role, the names of the colour classes: those of a colour file, such as
-        ``{"right": "green", "left": "orange"}``. Default: the right or front marker is red, the other
-        one blue.
+        By role, the colour classes' names, such as ``{"right": "green", "left": "orange"}``, as in a
+        colour file. Default: the right or front marker is red, the other one blue.
     """
     @staticmethod
     def from_markers(markers: collections.abc.Mapping[str, numpy.typing.ArrayLike], *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: collections.abc.Mapping[str, str] | None = None) -> MarkerLayout:
@@ -881,7 +881,7 @@ class MarkerLayout:
         Raises
         ------
         ValueError
-            If the roles are others, or contradict the positions; if a polygon is none.
+            If the roles are unknown, or contradict the positions; if a polygon is invalid.
         """
     @staticmethod
     def from_positions(positions: collections.abc.Mapping[str, numpy.typing.ArrayLike], *, areas: collections.abc.Mapping[str, float | None] | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, polygons: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, colors: collections.abc.Mapping[str, str] | None = None) -> MarkerLayout:
@@ -894,16 +894,16 @@ class MarkerLayout:
             By role, ``"right"`` and ``"left"``, or ``"front"`` and ``"back"``: the marker's centroid in the
             robot's frame: forward, right (work-area px from its centre).
         areas : dict of str to float, optional
-            By role, their areas (px^2); one that is left out, or None, is not known. Default: not known.
+            By role, their areas (px^2); an omitted area, or None, is not known. Default: not known.
         distance_tolerance, area_tolerance, maximum_blobs, colors
             As for `MarkerLayout`.
         polygons : dict of str to array (N, 2), optional
-            By role, their corners, in the same frame. Default: not known; measurements are then less exact.
+            By role, their corners, in the same frame. Default: not known, with less exact measurements.
         
         Raises
         ------
         ValueError
-            If the roles are others, or contradict the positions.
+            If the roles are unknown, or contradict the positions.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -923,18 +923,18 @@ class MarkerLayout:
         ...
     def width_in(self, frame: Frame) -> float:
         """
-        Return how wide the smaller marker is in the middle of a frame.
+        Return the width of the smaller marker in the middle of a frame.
         
         Parameters
         ----------
         frame : Frame
-            The frame; its plane map tells the scale.
+            The frame; its plane map gives the scale.
         
         Returns
         -------
         float
-            The side of a square of its area (px of the frame); NaN if no area is known. Poses can be
-            trusted from 4.5 px on.
+            The side of a square of its area (px of the frame); NaN if no area is known. Poses are reliable
+            from 4.5 px on.
         """
     @property
     def area_tolerance(self) -> float:
@@ -969,13 +969,13 @@ class MarkerLayout:
     @property
     def offset(self) -> float:
         """
-        float: from the markers' midpoint forward to the centre (px).
+        float: distance from the markers' midpoint forward to the centre (px).
         """
     @property
     def polygons(self) -> dict[str, numpy.typing.NDArray[numpy.float64]] | None:
         """
         dict of str to array (N, 2) or None: by role, the corners, forward and right of the centre
-        (px); None = unknown, as of `from_positions`.
+        (px); None = unknown, as from `from_positions`.
         """
     @property
     def positions(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
@@ -985,8 +985,8 @@ class MarkerLayout:
     @property
     def roles(self) -> tuple[str, str]:
         """
-        tuple of 2 str: ``("right", "left")`` or ``("front", "back")``: what the markers are called
-        by where they sit. All dicts of markers are in this order.
+        tuple of 2 str: ``("right", "left")`` or ``("front", "back")``: the markers' roles, by their
+        places. All dicts of markers are in this order.
         """
 class Blob:
     """
@@ -1048,7 +1048,7 @@ class Blob:
         """
 class Measurement:
     """
-    The pose of a detected robot, and how good it is. A frame without a detection gives None instead.
+    The pose of a detected robot, and its accuracy. A frame without a detection gives None instead.
     
     Parameters
     ----------
@@ -1057,21 +1057,22 @@ class Measurement:
     covariance : array (3, 3), optional
         Of x, y (work-area px) and heading (rad). Default: not known.
     misfit : float, optional
-        Factor on the variance, because what the fit of the markers leaves is not noise alone: 1 = it
-        is. In clean frames up to 2, from how the picture is drawn; above, the markers look otherwise
-        than their outlines: moved, compressed, partly hidden. Not the `misfit` of a `Detection`,
-        which is that of the pair.
+        Factor on the variance, because the residuals of the markers' fit contain more than noise: 1 =
+        only noise. In clean frames it is up to 2, from the rendering. Above, the markers differ from
+        their outlines: moved, compressed, partly hidden. The `misfit` of a `Detection` is another
+        figure, for the pair of blobs.
     signal_to_noise : float, optional
-        How far the edges of the markers stand out of the noise. From 4 on a pose can be trusted, below
-        3 there is none.
+        Ratio of the markers' edges to the noise. From 4 on a pose is reliable, below 3 no pose is
+        reported.
     seen : dict of str to Blob, optional
-        What was seen of the robot's markers, by role, ``"right"`` and ``"left"``, or ``"front"`` and
-        ``"back"``: of a `BlobMarker` the blob that was taken for it. Its colour is its identity.
+        The seen markers of the robot, by role, ``"right"`` and ``"left"``, or ``"front"`` and
+        ``"back"``: for a `BlobMarker` its blob. Its colour is its identity.
     
     Raises
     ------
     ValueError
-        If the pose is not finite, if the covariance is none, or if a figure is below 0 or not finite.
+        If the pose is not finite, if the covariance is invalid, or if a figure is below 0 or not
+        finite.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1098,7 +1099,7 @@ class Measurement:
     @property
     def misfit(self) -> float | None:
         """
-        float or None: factor on the variance, 1 where the fit leaves noise alone.
+        float or None: factor on the variance, 1 if the fit's residuals are only noise.
         """
     @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1113,15 +1114,15 @@ class Measurement:
     @property
     def signal_to_noise(self) -> float | None:
         """
-        float or None: of the markers' edges; from 4 on a pose can be trusted.
+        float or None: ratio of the markers' edges to the noise; from 4 on a pose is reliable.
         """
 class Detection:
     """
-    What `detect` found: the pair of blobs that fits the markers best, how well, and what follows.
+    The result of `detect`: the pair of blobs that fits the markers best, its misfit, and its pose.
     
     The misfit is the sum of three squared deviations: of the distance, as a fraction of
-    ``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of that of
-    ``area_tolerance``. In a pair that is accepted each is at most 1.
+    ``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of the
+    logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1140,10 +1141,10 @@ class Detection:
     @property
     def by_second_chance(self) -> bool:
         """
-        bool: no pair was found with the colours as they are, but this one relative to brightness:
-        the limits of a colour hold for U - 128 and V - 128 as fractions of the largest of R, G and B,
-        with 26 levels for a saturation of 29 %; under light that colours the floor, as if that were
-        grey. Dim light, its gradients and faded markers change the levels, but not the fractions.
+        bool: the pair was found only with colours relative to brightness. The limits of a colour
+        then hold for U - 128 and V - 128 as fractions of the largest of R, G and B, with 26 levels
+        for a saturation of 29 %. Under coloured light, the floor counts as grey. Dim light, its
+        gradients and faded markers change the levels, but not the fractions.
         """
     @property
     def distance(self) -> float:
@@ -1153,13 +1154,13 @@ class Detection:
     @property
     def explanation(self) -> str:
         """
-        str: a sentence on the result, with the numbers that decided.
+        str: a sentence on the result, with the decisive numbers.
         """
     @property
     def false_alarms(self) -> float:
         """
-        float: how many pairs of the other blobs would fit as well by chance, if they lay
-        anywhere; a pair is accepted up to 0.005.
+        float: expected number of pairs of the other blobs that fit as well by chance, for random
+        positions; a pair is accepted up to 0.005.
         """
     @property
     def measurement(self) -> Measurement | None:
@@ -1169,22 +1170,22 @@ class Detection:
     @property
     def misfit(self) -> float:
         """
-        float: misfit of the pair, from 0 = perfect; inf without a pair. That of the fit
-        has the measurement.
+        float: misfit of the pair, from 0 = perfect; inf without a pair. The misfit of the fit is in
+        the measurement.
         """
     @property
     def reason(self) -> str | None:
         """
-        str or None: why there is no measurement: ``"no blobs"``, ``"no red blob"``,
-        ``"no blue blob"`` or what the colours are called, ``"at the border"``, ``"distance"``, ``"areas"``,
-        ``"ambiguous"``, ``"by chance"``, ``"noise"`` or ``"shape"``; and, where the frame tells the cause,
-        ``"dark"``, ``"overexposed"`` or ``"small markers"``.
+        str or None: reason for a missing measurement: ``"no blobs"``, ``"no red blob"``,
+        ``"no blue blob"`` or other colours' names, ``"at the border"``, ``"distance"``,
+        ``"areas"``, ``"ambiguous"``, ``"by chance"``, ``"noise"`` or ``"shape"``. If the frame
+        shows the cause: ``"dark"``, ``"overexposed"`` or ``"small markers"``.
         """
     @property
     def runner_up(self) -> float:
         """
-        float: misfit of the second best pair that is accepted; inf if there is none. Near the
-        misfit, the choice is ambiguous.
+        float: misfit of the second best accepted pair; inf without one. Near the misfit, the choice
+        is ambiguous.
         """
     @property
     def seen(self) -> dict[str, Blob] | None:
@@ -1222,16 +1223,16 @@ class MissedDetections:
         """
 class RecursiveLeastSquares:
     """
-    Recursive least squares with forgetting, for one filter or any number side by side.
+    Recursive least squares with forgetting, for one or more parallel filters.
     
     Parameters
     ----------
     n_parameters : int
         Number of parameters of a filter.
     n_filters : int
-        Number of filters: 3 for the axes of a robot, 3 R for those of R runs.
+        Number of filters: 3 for the axes of a robot, 3 R for R runs.
     forgetting : float
-        Forgetting factor, within 1e-10..1; 1 = none.
+        Forgetting factor, within 1e-10..1; 1 = no forgetting.
     initial_covariance : float
         The initial P is this times the identity matrix, at most 1e50; the initial theta is 0.
     
@@ -1240,19 +1241,19 @@ class RecursiveLeastSquares:
     ValueError
         For values outside these ranges.
     RuntimeError
-        When it is looked at, updated or reset while a run in another thread has it:
-        ``sim.trace.parameters`` can be read meanwhile.
+        If it is read, updated or reset while a run in another thread uses it. ``sim.trace.parameters``
+        can be read meanwhile.
     
     Notes
     -----
     theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
     plus ``forgetting^N |theta|^2 / initial_covariance``. The covariance is kept as P = U D U' (Bierman,
-    Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot
-    make it asymmetric or indefinite, whatever the number of samples.
+    Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot make
+    it asymmetric or indefinite, for any number of samples.
     
     Without excitation, as with a constant input, forgetting lets P grow without bound. Here the trace
-    of P never exceeds 1e9 per parameter, or its initial value if that is larger: where it would, the
-    variances D of single columns of U are limited. This adds information along these columns only. The
+    of P never exceeds 1e9 per parameter, or its initial value if that is larger. The variances D of
+    single columns of U are limited accordingly. This adds information along these columns only. The
     estimates do not change, excited directions are forgotten as before, and when excitation returns the
     filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
     filter follows a change of the parameters more and more slowly as samples accumulate.
@@ -1296,7 +1297,7 @@ class RecursiveLeastSquares:
         Raises
         ------
         TypeError, ValueError
-            For other shapes and for numbers beyond 1e50; the filters are unchanged then.
+            For wrong shapes and for numbers beyond 1e50; the filters then stay unchanged.
         """
     @property
     def P(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1372,12 +1373,12 @@ class LeastSquaresFit:
     def standard_errors_unscaled(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         array (n,): standard errors of theta in units of the standard deviation of the noise;
-        inf where the samples do not determine them.
+        inf if the samples do not determine them.
         """
     @property
     def theta(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (n,): the parameters, NaN where the samples do not determine them.
+        array (n,): the parameters, NaN if the samples do not determine them.
         """
 class TraceGroup:
     """
@@ -1388,27 +1389,27 @@ class TraceGroup:
     @property
     def description(self) -> str:
         """
-        str: what it is, in one line.
+        str: description in one line.
         """
     @property
     def in_recorded(self) -> bool:
         """
-        bool: the trace of frames from elsewhere must have it.
+        bool: required in the trace of external frames.
         """
     @property
     def in_simulated(self) -> bool:
         """
-        bool: the trace of a simulated run must have it.
+        bool: required in the trace of a simulated run.
         """
     @property
     def is_flag(self) -> bool:
         """
-        bool: a number above 0 stands for true.
+        bool: a number above 0 means true.
         """
     @property
     def missing(self) -> float:
         """
-        float: stands where it was not recorded.
+        float: value of steps without a record.
         """
     @property
     def name(self) -> str:
@@ -1427,7 +1428,7 @@ class TraceGroup:
         """
 class Estimate:
     """
-    What a state estimator makes of a step.
+    The result of a state estimator in a step.
     
     Parameters
     ----------
@@ -1480,7 +1481,7 @@ class Sample:
     y : array (3,)
         Outputs x, y (work-area px) and heading (rad).
     k : int
-        The step whose output y is.
+        The step of the output y.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1501,7 +1502,7 @@ class Sample:
     @property
     def k(self) -> int:
         """
-        int: the step whose output y is.
+        int: the step of the output y.
         """
     @property
     def phi(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1515,23 +1516,22 @@ class Sample:
         """
 class Observation:
     """
-    What a source of frames may give to an `Experiment` in place of a plain frame.
+    An item from a source of frames for an `Experiment`, instead of a plain frame.
     
     Parameters
     ----------
     frame : Frame, optional
-        What the camera sees. None = no frame in this step.
+        The camera's frame. None = no frame in this step.
     t : float, optional
-        Time of the step (s). Default: that of the frame, or one sample time after the last step.
+        Time of the step (s). Default: the frame's time, or one sample time after the last step.
     last_u : array (2,), optional
-        The input that the robot really got since the last step (V), if it is not what the controller
-        returned.
+        The input that the robot really got since the last step (V), if different from the controller's.
     measurement : Measurement or array (3,), optional
-        Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
+        The robot's pose, if measured externally: ``measure=True`` keeps it unchanged.
     sample : Sample, optional
-        The sample for the parameter estimator, if somebody else has made it.
+        The sample for the parameter estimator, if made externally.
     interrupted : bool
-        The robot was stopped since the last step: no sample spans that.
+        The robot was stopped since the last step: no sample spans the stop.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1567,7 +1567,7 @@ class Observation:
     @property
     def measurement(self) -> Measurement | None:
         """
-        Measurement or None: where the robot was seen.
+        Measurement or None: the measured pose.
         """
     @property
     def sample(self) -> Sample | None:
@@ -1581,10 +1581,10 @@ class Observation:
         """
 class Step:
     """
-    What the robot half may know of a step, read-only. It fills up from stage to stage.
+    The robot half's data of a step, read-only. Each stage adds its result.
     
-    Made by hand, it tests a callback without a simulation. A copy has the frame, if it is still there,
-    but no `estimator`. Equal are steps with the same numbers; frames are not compared.
+    Made by hand, it tests a callback without a simulation. A copy has the frame, if it still exists,
+    but no `estimator`. Steps with the same numbers are equal; frames are not compared.
     
     Parameters
     ----------
@@ -1593,25 +1593,25 @@ class Step:
     t : float, optional
         Time (s). Default: k dt.
     dt : float
-        Time since the step before (s).
+        Time since the previous step (s).
     last_u : array (2,)
-        The input of the step before (V).
+        The input of the previous step (V).
     frame : Frame, optional
         What the camera sees.
     measurement : Measurement or array (3,), optional
         Where the robot was seen.
     estimate : Estimate, optional
-        What the state estimator returned.
+        The result of the state estimator.
     parameters : array (3, 5), optional
-        The parameters estimated.
+        The estimated parameters.
     sample : Sample, optional
         The sample for the parameter estimator.
     u : array (2,), optional
-        The input decided (V).
+        The input of this step (V).
     colors : list of ColorClass
-        What `blobs` are found with.
+        The colours used to find `blobs`.
     markers : MarkerLayout, optional
-        Where the robot carries its markers.
+        The robot's markers and their positions.
     
     Examples
     --------
@@ -1641,18 +1641,18 @@ class Step:
     @property
     def colors(self) -> list[ColorClass]:
         """
-        list of ColorClass: the colours that blobs are found with.
+        list of ColorClass: the colours used to find blobs.
         """
     @property
     def detection(self) -> Detection | None:
         """
-        Detection or None: the result of the default measurement, with its reason if there is none.
-        None before that stage, for a callback, and without a frame.
+        Detection or None: the result of the default measurement, also with the reason for a missing
+        pose. None before that stage, for a callback, and without a frame.
         """
     @property
     def dt(self) -> float:
         """
-        float: time since the step before (s); if the robot was stopped in between,
+        float: time since the previous step (s); if the robot was stopped in between,
         rounded to sample times of the model.
         """
     @property
@@ -1663,12 +1663,12 @@ class Step:
     @property
     def estimator(self) -> typing.Any:
         """
-        The object that init_parameter_estimator made.
+        The object from init_parameter_estimator.
         """
     @property
     def frame(self) -> Frame | None:
         """
-        Frame or None: what the camera sees. None if no frame came in this step.
+        Frame or None: the camera's frame. None if no frame came in this step.
         """
     @property
     def k(self) -> int:
@@ -1678,28 +1678,28 @@ class Step:
     @property
     def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): the input of the step before, u1 left and u2 right (V).
+        array (2,): the input of the previous step, u1 left and u2 right (V).
         """
     @property
     def markers(self) -> MarkerLayout:
         """
-        MarkerLayout: where the robot carries its markers.
+        MarkerLayout: the robot's markers and their positions.
         """
     @property
     def measurement(self) -> Measurement | None:
         """
-        Measurement or None: where the robot was seen. None before that stage.
+        Measurement or None: the measured pose. None before that stage.
         """
     @property
     def parameters(self) -> numpy.typing.NDArray[numpy.float64] | None:
         """
-        array (3, 5) or None: the parameters estimated by now.
+        array (3, 5) or None: the parameters estimated so far.
         """
     @property
     def sample(self) -> Sample | None:
         """
-        Sample or None: the newest complete sample. None at the start, and where a
-        bounce or a missing measurement interrupts the record.
+        Sample or None: the newest complete sample. It is None at the start, and if a bounce or a
+        missing measurement interrupts the record.
         """
     @property
     def t(self) -> float:
@@ -1709,11 +1709,11 @@ class Step:
     @property
     def u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): the input decided in this step, as sent to the motors (V). RuntimeError before that.
+        array (2,): the input of this step, as sent to the motors (V). RuntimeError before the controller.
         """
 class LineError(OSError):
     """
-    A line to a robot cannot be opened, read or written to.
+    A line to a robot cannot be opened, read or written.
     """
 class HaltedError(RuntimeError):
     """
@@ -1721,7 +1721,7 @@ class HaltedError(RuntimeError):
     """
 class MotorEvent:
     """
-    What went over a line to a robot, or what the robot did by itself.
+    A message on a line to a robot, or an action of the robot itself.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1740,7 +1740,7 @@ class MotorEvent:
     @property
     def kind(self) -> str:
         """
-        str: "input", a new one; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped without a line; "silence", it answered before, and has not for a second.
+        str: "input", a new input; "repeat", the same again; "stop"; "failure", a line that could not be written; "timeout", the robot stopped without a line; "silence", a robot that answered before has not for a second.
         """
     @property
     def t(self) -> float:
@@ -1754,7 +1754,7 @@ class MotorEvent:
         """
 class LineCounts:
     """
-    How many lines a robot has heard.
+    Numbers of lines that a robot has received.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1773,30 +1773,30 @@ class LineCounts:
     @property
     def damaged(self) -> int:
         """
-        int: lines that were damaged, too long, or none of the protocol.
+        int: lines that were damaged, too long, or outside the protocol.
         """
     @property
     def foreign(self) -> int:
         """
-        int: lines of another sender than the one that it heard.
+        int: lines of another sender than the current one.
         """
     @property
     def old(self) -> int:
         """
-        int: lines that a newer one had overtaken.
+        int: lines that arrived after a newer one.
         """
     @property
     def valid(self) -> int:
         """
-        int: lines that it obeyed.
+        int: obeyed lines.
         """
 class Limits:
     """
-    What the motors of a robot are asked for at most.
+    Limits of the inputs of a robot's motors.
     
-    Both motors are scaled by one factor, so that the robot drives the same curve more slowly: if each
-    were cut off by itself, a curve would become another one. The change from one input to the next is
-    scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes at once.
+    Both motors are scaled by one factor, so that the robot drives the same curve more slowly. Separate
+    limits would change the curve. The change from one input to the next is
+    scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes unchanged.
     
     Parameters
     ----------
@@ -1808,7 +1808,7 @@ class Limits:
     Raises
     ------
     ValueError
-        If one is not above 0.
+        If a limit is not above 0.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1833,11 +1833,11 @@ class Limits:
         Parameters
         ----------
         u : array (2,)
-            The input that is wanted (V).
+            The wanted input (V).
         before : array (2,)
-            The one that the motors have (V).
+            The present input of the motors (V).
         dt : float
-            How long they have had it (s).
+            Duration of the present input (s).
         
         Returns
         -------
@@ -1872,9 +1872,9 @@ class MotorLink:
     """
     def __call__(self, u: numpy.typing.ArrayLike) -> float:
         """
-        Send an input, and return when it went out.
+        Send an input, and return its time.
         
-        The interpreter goes on meanwhile. The link repeats it until the next one comes.
+        The interpreter continues meanwhile. The link repeats the input until the next one.
         
         Parameters
         ----------
@@ -1884,15 +1884,15 @@ class MotorLink:
         Returns
         -------
         float
-            When it was written to the line (s, clock of time.monotonic).
+            Time of writing it to the line (s, clock of time.monotonic).
         
         Raises
         ------
         LineError
-            If the line cannot be written to within 50 ms, or went wrong since the last input; the robot is
-            then told to stop, again and again for 2 s.
+            If the line cannot be written within 50 ms, or failed since the last input; the link then sends
+            stops to the robot for 2 s.
         HaltedError
-            If the robot was halted: by a frame that did not come in time, for one.
+            If the robot was halted, for example because a frame was late.
         ValueError
             If an input is beyond 1000 V.
         """
@@ -1902,16 +1902,16 @@ class MotorLink:
         ...
     def _check_stop(self) -> None:
         """
-        Raise LineError, once, if the last stop did not get into the line.
+        Raise LineError, once, if the last stop was not sent.
         """
     def close(self) -> None:
         """
-        Stop the robot and close the line; the second time it does nothing.
+        Stop the robot and close the line; a second call does nothing.
         
         Raises
         ------
         LineError
-            If the line went wrong since the last input: the robot may not have been told to stop.
+            If the line failed since the last input: the robot may not have received the stop.
         """
     def halt(self) -> None:
         """
@@ -1919,31 +1919,31 @@ class MotorLink:
         """
     def resume(self) -> None:
         """
-        Take inputs again after `halt`.
+        Accept inputs again after `halt`.
         """
     def stop(self) -> float:
         """
-        Stop the robot: tell it at once, and again for 2 s, five times in the first 0.1 s.
+        Stop the robot: send a stop at once, and repeat it for 2 s, five times in the first 0.1 s.
         
         Returns
         -------
         float
-            When it was told (s, clock of time.monotonic).
+            Time of the first stop (s, clock of time.monotonic).
         
         Raises
         ------
         LineError
-            If the line cannot be written to; it is tried again.
+            If the line cannot be written; the link tries again.
         """
     @property
     def events(self) -> list[MotorEvent]:
         """
-        list of MotorEvent: what was sent; the newest 100 000.
+        list of MotorEvent: the sent lines; the newest 100 000.
         """
     @property
     def hold(self) -> float:
         """
-        float: the link stops the robot when no input is sent for so long (s).
+        float: the link stops the robot if no input is sent for so long (s).
         """
     @property
     def is_closed(self) -> bool:
@@ -1953,17 +1953,17 @@ class MotorLink:
     @property
     def is_halted(self) -> bool:
         """
-        bool: True if it refuses inputs.
+        bool: True if the link refuses inputs.
         """
     @property
     def is_silent(self) -> bool:
         """
-        bool: whether lines go out, and the robot, which answered before, has answered none for a second.
+        bool: whether lines are sent, and a robot that answered before has not answered for a second.
         """
     @property
     def name(self) -> str:
         """
-        str: what the line is called in errors.
+        str: name of the line in errors.
         """
     @property
     def round_trip_times(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1973,17 +1973,17 @@ class MotorLink:
     @property
     def ttl(self) -> float:
         """
-        float: the robot stops by itself when it hears nothing for so long (s).
+        float: the robot stops if it receives nothing for so long (s).
         """
 class ReceivedInput:
     """
-    What a robot has received.
+    The inputs received by a robot.
     """
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
     def mean(self, start: float, end: float) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Return the mean of what the robot acted upon between two times.
+        Return the mean input of the robot's motors between two times.
         
         Parameters
         ----------
@@ -1993,7 +1993,7 @@ class ReceivedInput:
         Returns
         -------
         array (2,)
-            The input (V); 0 while it stood. If both times are one, that at this time.
+            The input (V); 0 while the robot stood. For equal times, the input at this time.
         
         Raises
         ------
@@ -2002,29 +2002,29 @@ class ReceivedInput:
         """
 class MotorReceiver(ReceivedInput):
     """
-    The robot's end of a line: reads inputs as PROTOCOL.md demands of a robot, in a thread of its own.
+    The robot's end of a line: reads inputs as PROTOCOL.md requires of a robot, in a separate thread.
     
-    It stands in for a robot, in rehearsals and tests. It stops by itself when it hears nothing valid
-    for the time to live that the sender gave.
+    It replaces a robot in rehearsals and tests. It stops if it receives no valid line for the time to
+    live set by the sender.
     
     Parameters
     ----------
     port : int
-        Port that it listens at for UDP; 0 = any that is free, see `port`.
+        UDP port to listen on; 0 = any free port, see `port`.
     host : str
-        Address that it listens at.
+        Address to listen on.
     descriptor : int, optional
-        A file descriptor to read in place of UDP, such as an end of a pseudo-terminal. It is copied,
-        and made non-blocking.
+        A file descriptor to read instead of UDP, such as an end of a pseudo-terminal. It is copied, and
+        made non-blocking.
     actuation_delay : float
-        What it hears, it acts upon so much later (s).
+        Delay from receiving an input to acting on it (s).
     answers : bool
-        Whether it answers each valid line, so that the sender knows the round trip time.
+        Whether to answer each valid line, so that the sender knows the round trip time.
     
     Raises
     ------
     LineError
-        If the port is taken, or there is no such address.
+        If the port is in use, or the address does not exist.
     """
     def __enter__(self) -> typing.Any:
         ...
@@ -2038,27 +2038,27 @@ class MotorReceiver(ReceivedInput):
         ...
     def close(self) -> None:
         """
-        Hear no more: it stops when the time to live is over.
+        Stop listening; the robot stops at the end of the time to live.
         """
     @property
     def actuation_delay(self) -> float:
         """
-        float: what it hears, it acts upon so much later (s).
+        float: delay from receiving an input to acting on it (s).
         """
     @property
     def counts(self) -> LineCounts:
         """
-        LineCounts: how many lines it heard.
+        LineCounts: numbers of received lines.
         """
     @property
     def events(self) -> list[MotorEvent]:
         """
-        list of MotorEvent: what it heard, and when it stopped by itself; the newest 100 000.
+        list of MotorEvent: received lines and its own stops; the newest 100 000.
         """
     @property
     def input(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): what it acts upon now (V).
+        array (2,): the present input of the motors (V).
         """
     @property
     def is_closed(self) -> bool:
@@ -2068,25 +2068,26 @@ class MotorReceiver(ReceivedInput):
     @property
     def name(self) -> str:
         """
-        str: what the line is called.
+        str: name of the line.
         """
     @property
     def port(self) -> int:
         """
-        int: the port that it listens at; 0 for a descriptor.
+        int: the port to listen on; 0 for a descriptor.
         """
 class WorldState:
     """
-    What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
+    The argument of the callback `evaluate_model`. Made by hand, it tests a callback without a
+    simulation.
     
     Parameters
     ----------
     pose_1, pose_2 : array (3,)
         The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
     last_u : array (2,)
-        What acted on the motors since step k-1, on average (V).
+        Mean input of the motors since step k-1 (V).
     model : RobotModel, optional
-        The model that this world follows. Default: that of the default robot.
+        The model that this world follows. Default: the default robot's.
     k : int
         Number of the step.
     t, dt : float, optional
@@ -2121,12 +2122,12 @@ class WorldState:
     @property
     def last_u(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (2,): what acted on the motors since step k-1, on average (V): with noise and delay, if there are any.
+        array (2,): mean input of the motors since step k-1 (V), with noise and delay if enabled.
         """
     @property
     def model(self) -> RobotModel:
         """
-        RobotModel: the one that this world follows.
+        RobotModel: the model of this world.
         """
     @property
     def pose_1(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -2145,7 +2146,7 @@ class WorldState:
         """
 class World:
     """
-    A world half, as the loop sees it.
+    A world half, for the loop.
     """
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -2177,13 +2178,13 @@ class SimulatedWorld(World):
         ...
     def set_frame_memory(self, images: collections.abc.Sequence[typing.Any]) -> None:
         """
-        Draw the newest frames on one of these arrays (H, W, 3), whoever holds it.
+        Draw the newest frames on one of these arrays (H, W, 3), even if it is in use.
         """
     def set_make_scene(self, make: typing.Any, makes_at_start: bool) -> None:
         ...
     def set_noise_keys(self, keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> None:
         """
-        Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no longer.
+        Draw the noise of each frame from a separate key, array (steps,) of uint64; empty: no longer.
         """
     def set_option(self, name: str, value: typing.Any) -> None:
         ...
@@ -2196,21 +2197,21 @@ class SimulatedWorld(World):
     @property
     def model(self) -> RobotModel | None:
         """
-        RobotModel or None: the one that the robot follows; None before the start.
+        RobotModel or None: the model that the robot follows; None before the start.
         """
     @property
     def pose(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        array (3,): where the robot is: x, y (work-area px), heading (rad).
+        array (3,): pose of the robot: x, y (work-area px), heading (rad).
         """
     @property
     def scene(self) -> Scene:
         """
-        Scene or None: what the camera looks at; None if nobody has looked yet.
+        Scene or None: the camera's scene; None before its first use.
         """
 class Arrival:
     """
-    What a source of frames may say in place of a frame.
+    An answer of a source of frames instead of a frame.
     
     Members:
     
@@ -2255,7 +2256,7 @@ class Arrival:
         ...
 class ExternalWorld(World):
     """
-    The world half outside. Users take robsim.Experiment.
+    The external world half. Users take robsim.Experiment.
     """
     def __init__(self, *, frames: typing.Any, motors: typing.Any, frame_timeout: float, limits: Limits | None, longest_timeout: float) -> None:
         ...
@@ -2265,13 +2266,13 @@ class Unicycle:
     """
     The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
     
-    It has the constants of the `RobotModel` and moves as that along a straight line, and in its
-    heading; in a curve it drives where it is headed. It can be called like a callback:
+    It has the constants of the `RobotModel`, and moves like it along a straight line and in its
+    heading; in a curve it drives along its heading. It can be called like a callback:
     ``pose = unicycle(world)``.
     
     Notes
     -----
-    s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
+    s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the distance driven in a step, and
     x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
     """
     def __call__(self, world: WorldState) -> numpy.typing.NDArray[numpy.float64]:
@@ -2369,7 +2370,7 @@ class DriveAround(Controller):
     @property
     def hold(self) -> int:
         """
-        int: steps a voltage is held for.
+        int: number of steps for which a voltage is held.
         """
     @property
     def low(self) -> float:
@@ -2378,7 +2379,7 @@ class DriveAround(Controller):
         """
 class Replay(Controller):
     """
-    Gives recorded inputs once more: in step k that of row k.
+    Repeats recorded inputs: in step k the input of row k.
     
     Parameters
     ----------
@@ -2388,7 +2389,7 @@ class Replay(Controller):
     Raises
     ------
     IndexError
-        When it is called for a step that has no row.
+        If it is called for a step without a row.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2413,7 +2414,7 @@ class Replay(Controller):
         """
 class MessageSocket:
     """
-    One end of a stream socket between two processes that speak in turn.
+    One end of a stream socket between two processes that send messages in turn.
     """
     def __init__(self, descriptor: int, limits: typing.Any) -> None:
         ...
@@ -2423,7 +2424,7 @@ class MessageSocket:
         ...
 class RemoteRobot:
     """
-    A robot half in another process: a value for the slots that it fills. exchange(message, pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.
+    A robot half in another process: a value for its slots. exchange(message, pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.
     """
     def __init__(self, exchange: typing.Any, refuse: typing.Any, *, slots: collections.abc.Sequence[str], world: World, sends_frames: bool, sends_samples: bool, measures_first: bool, has_standard_errors: bool, largest_input: float) -> None:
         ...
@@ -2471,21 +2472,21 @@ class Loop:
         """
     def reset(self) -> None:
         """
-        Go back to the start.
+        Return to the start.
         """
     def run(self, steps: int, progress: typing.Any = None, stops_robot: bool = True) -> bool:
         """
-        Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has come to its end.
+        Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has ended.
         """
     def set_controller_seed(self, seed: int) -> None:
         ...
     def set_given(self, given: str, samples: bool) -> None:
         """
-        Let callbacks look at no more than that, from the next step on.
+        Limit the callbacks to this data, from the next step on.
         """
     def set_observer(self, observer: typing.Any) -> None:
         """
-        Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after each step, with None for what there is not; observer None = nobody.
+        Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after each step, with None for missing values; observer None = no observer.
         """
     def set_slot(self, slot: str, value: typing.Any) -> None:
         """
@@ -2497,23 +2498,23 @@ class Loop:
         """
     def share(self, sights: Sights) -> None:
         """
-        Let the next runs see what others of the same world and seed have seen.
+        Let the next runs use the sights of other runs with the same world and seed.
         """
     def start(self) -> None:
         """
-        Do what comes once, if that has not been done yet.
+        Do the actions at the start, unless they are done.
         """
     def step_stage(self, progress: typing.Any = None) -> str | None:
         """
-        Do the next stage that is on and return its name; None = the world has come to its end.
+        Do the next enabled stage and return its name; None = the world has ended.
         """
     def stop(self) -> bool:
         """
-        End the run under way; False if there is none.
+        End the current run; False without a run.
         """
     def stop_robot(self) -> None:
         """
-        Send the stop input, if there is one.
+        Send the stop input, if set.
         """
     @property
     def doubts(self) -> list[str]:
@@ -2532,7 +2533,7 @@ class Loop:
     @property
     def last_frame(self) -> Frame | None:
         """
-        Frame or None: that of the newest step, also where it is not given to callbacks.
+        Frame or None: the newest step's frame, even if callbacks do not get it.
         """
     @property
     def last_step(self) -> Step:
@@ -2540,12 +2541,12 @@ class Loop:
     @property
     def maximum_count(self) -> int:
         """
-        int: of the blobs of a colour.
+        int: maximum number of blobs of a colour.
         """
     @property
     def minimum_area(self) -> int:
         """
-        int: of the blobs in the newest frame (px).
+        int: minimum area of blobs in the newest frame (px).
         """
     @property
     def missed_detections(self) -> list[MissedDetections]:
@@ -2558,7 +2559,7 @@ class Loop:
     @property
     def rows(self) -> int:
         """
-        int: steps recorded by now.
+        int: number of recorded steps.
         """
     @property
     def smoothing(self) -> int:
@@ -2568,7 +2569,7 @@ class Loop:
     @property
     def stage(self) -> str:
         """
-        str: the stage that runs, or comes next.
+        str: the current or next stage.
         """
 class Laboratory:
     """
@@ -2593,16 +2594,16 @@ class Laboratory:
     @property
     def is_elsewhere(self) -> bool:
         """
-        bool: True in a process forked from its own, where it is of no use.
+        bool: True in a forked process, where it does not work.
         """
     @property
     def skipped(self) -> int:
         """
-        int: frames that it was too late to draw.
+        int: frames skipped because they were late.
         """
 class CameraFaults:
     """
-    What goes wrong with a simulated camera. Users take robsim.lab.CameraFaults.
+    Faults of a simulated camera. Users take robsim.lab.CameraFaults.
     """
     def __init__(self, *, late: float, lateness: float, dropped: float, repeated: float, torn: float, stall: tuple[float, float], unplugged: tuple[float, float], drift: float, drift_period: float, seed: int) -> None:
         ...
@@ -2618,7 +2619,7 @@ class LaboratoryCamera(CaptureDevice):
         ...
 class RaisedRobot:
     """
-    A robot's top above the floor, as a camera elsewhere sees it.
+    A robot's top above the floor, as seen by an oblique camera.
     """
     def __init__(self, scene: Scene, warp: Warp) -> None:
         ...
@@ -2638,7 +2639,7 @@ def check_mean_interval(time: float, n_steps: int, dt: float) -> None:
     """
 def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, smoothing: int | None = None) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
-    Return which pixels belong to which colour class: the masks that `find_blobs` works on.
+    Return the pixels of each colour class: the masks for `find_blobs`.
     
     Parameters
     ----------
@@ -2650,7 +2651,7 @@ def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collectio
         The markers to find, from which `smoothing` follows as in `find_blobs`.
     smoothing : int, optional
         Width of the window whose mean classifies a pixel, as in `find_blobs`; 1 = off. Default: 1, or
-        as `find_blobs` has it for the markers.
+        the default of `find_blobs` for the markers.
     
     Returns
     -------
@@ -2664,7 +2665,7 @@ def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collectio
     """
 def color_histograms(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int]) -> numpy.typing.NDArray[numpy.int64]:
     """
-    Return how many pixels of a region have each value of Y, U and V.
+    Return the number of pixels of a region with each value of Y, U and V.
     
     Parameters
     ----------
@@ -2689,7 +2690,7 @@ def cos(x: numpy.typing.ArrayLike) -> typing.Any:
     """
 def cpu_path() -> str:
     """
-    Return which instructions the hot loops use: "baseline", "avx2" or "avx512".
+    Return the instruction set of the hot loops: "baseline", "avx2" or "avx512".
     """
 def cpu_paths() -> list[str]:
     """
@@ -2697,28 +2698,28 @@ def cpu_paths() -> list[str]:
     """
 def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, *, plane_map: PlaneMap | None = None, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None, colors: collections.abc.Sequence[ColorClass] | None = None) -> Detection:
     """
-    Look for the markers of a robot among the blobs, and say how well they fit, or why they do not.
+    Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
     
-    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
-    used: they may be cut off. Where noise or other things give many blobs like the markers, a pair is
-    accepted only if hardly any pair of the others would fit as well by chance [1]_: on a floor of
-    noise, a pose is reported in one or two of 100 frames at most.
+    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
+    border of the frame are not used: they may be cut off. Noise or other things may give many blobs
+    like the markers. A pair is then accepted only if hardly any pair of the others would fit as well by
+    chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
     
     Parameters
     ----------
     blobs : dict of str to list of Blob
-        As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
+        From `find_blobs`; the two `MarkerLayout.colors` are used.
     markers : MarkerLayout
         The positions of the markers on the robot.
     plane_map : PlaneMap, optional
-        From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
-        otherwise the identity.
+        Map from pixels of the blobs' frame to the work area. Default: the map of `image`, if it is a
+        Frame; otherwise the identity.
     image : Frame or array (H, W, 3) of uint8, optional
-        Where the blobs were found. With it the pose is fitted to the edges of the markers, as `locate`
-        does it; without a measurement it is examined for the cause, such as a dark picture.
+        The image of the blobs. With an image the pose is fitted to the edges of the markers, as in
+        `locate`. Without a measurement the image is examined for the cause, such as darkness.
     colors : list of ColorClass, optional
-        Those that the blobs were found with. With them and the image, a frame without a pair gets the
-        second chance that the default measurement has: the same colours relative to brightness, see
+        The colours used to find the blobs. With colours and the image, a frame without a pair gets a
+        second chance, as in the default measurement: the same colours relative to brightness, see
         `Detection.by_second_chance`.
     
     Returns
@@ -2752,7 +2753,8 @@ def exp(x: numpy.typing.ArrayLike) -> typing.Any:
     """
 def expected_signal_to_noise(width: float, noise: float) -> float:
     """
-    The figure of markers of a width (frame px) at a noise (grey levels), in good light.
+    The signal-to-noise figure of markers of a width (frame px) at a noise (grey levels), in
+    good light.
     """
 def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], *, markers: MarkerLayout | None = None, minimum_area: int | None = None, maximum_count: int | None = None, smoothing: int | None = None, region: collections.abc.Sequence[int] | None = None) -> dict[str, list[Blob]]:
     """
@@ -2765,12 +2767,12 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
     colors : list of ColorClass
         The colours to find; a pixel may belong to several.
     markers : MarkerLayout, optional
-        The markers to find: the other options default to values that find them, in noise, too. Its
+        The markers to find: the other options default to values that find them, also in noise. Its
         lengths are in px of an array, or converted by the plane map of a Frame.
     minimum_area : int, optional
         Smaller blobs are dropped (px). Default: 12, or 1/8 of the area of the smaller marker.
     maximum_count : int, optional
-        How many blobs of a colour are returned, the largest first. Default: 64, or the
+        Maximum number of blobs of a colour, the largest first. Default: 64, or the
         `maximum_blobs` of the markers.
     smoothing : int, optional
         Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
@@ -2778,7 +2780,7 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
         to 7; below a marker of 7 px, 3 in images with noise and 1 in others.
     region : tuple of int, optional
         (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
-        pixels are searched, as if the image ended there. Positions are those in the whole image.
+        pixels are searched, as if the image ended there. Positions refer to the whole image.
     
     Returns
     -------
@@ -2806,7 +2808,7 @@ def force_cpu_path(path: str) -> None:
     Raises
     ------
     ValueError
-        If it is not available on this processor.
+        If the path is not available on this processor.
     """
 def frame_noise(frame: Frame) -> float:
     """
@@ -2845,27 +2847,27 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Return the pose of the robot whose markers are among the blobs.
     
-    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the border of the frame are not
-    used: they may be cut off. With the image, the pose is then fitted to the pixels around the edges of
-    the markers, by weighted least squares [1]_: in noise the error is half to two thirds of
-    that of the blobs' centroids, without noise a fifth. Of markers whose outlines are not known, pixels at the edge are
-    weighted by their colour.
+    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
+    border of the frame are not used: they may be cut off. With the image, the pose is then fitted to
+    the pixels around the edges of the markers, by weighted least squares [1]_. In noise the error is
+    half to two thirds of the centroids' error, without noise a fifth. For markers with unknown
+    outlines, pixels at the edge are weighted by their colour.
     
     Parameters
     ----------
     blobs : dict of str to list of Blob
-        As from `find_blobs`; those of the two `MarkerLayout.colors` are used.
+        From `find_blobs`; the two `MarkerLayout.colors` are used.
     markers : MarkerLayout
-        The positions of the markers on the robot; of `MarkerLayout.from_markers`, the outlines, too.
+        The positions of the markers on the robot; from `MarkerLayout.from_markers` also their outlines.
     plane_map : PlaneMap, optional
-        From pixels of the blobs' frame to the work area. Default: that of `image`, if it is a Frame;
-        otherwise the identity.
+        Map from pixels of the blobs' frame to the work area. Default: the map of `image`, if it is a
+        Frame; otherwise the identity.
     image : Frame or array (H, W, 3) of uint8, optional
-        Where the blobs were found. Default: the pose is that of the blobs' centroids. Give the Frame,
-        ``step.frame``, not its pixels: an array has no plane map, and does not say in how many headings
-        the robot is drawn, so that the covariance would leave out what that costs.
+        The image of the blobs. Default: the pose comes from the blobs' centroids. Give the Frame,
+        ``step.frame``, not its pixels: an array has no plane map, and no number of drawn headings, so
+        that the covariance would omit their rounding.
     colors : list of ColorClass, optional
-        Those that the blobs were found with: a frame without a pair then gets a second chance, as in
+        The colours used to find the blobs: a frame without a pair then gets a second chance, as in
         `detect`.
     
     Returns
@@ -2873,7 +2875,7 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Measurement or None
         The pose; with the image, also its covariance, misfit and signal-to-noise figure. None = not
         detected: no pair fits, or two fit equally well, or the markers do not stand out of the noise.
-        `robsim.vision.detect` says why.
+        `robsim.vision.detect` gives the reason.
     
     References
     ----------
@@ -2911,7 +2913,7 @@ def path_sensitivities(theta: numpy.typing.ArrayLike, path: numpy.typing.ArrayLi
     theta : array (3, 5)
         The parameters.
     path : array (n, 3)
-        The path simulated with them.
+        The path simulated with these parameters.
     u : array (n, 2)
         Inputs (V).
     
@@ -2922,19 +2924,19 @@ def path_sensitivities(theta: numpy.typing.ArrayLike, path: numpy.typing.ArrayLi
     """
 def pixel_formats() -> list[tuple[str, str, int, str]]:
     """
-    Return how cameras send pixels: name, coding, its worth on FireWire (0: it has none), name of GenICam (empty: none), for this in the order of worth.
+    Return the cameras' pixel formats: name, coding, rank on FireWire (0: no rank), name in GenICam (empty: no name), for GenICam in the order of rank.
     """
 def random_normal(seed: int, counter: int) -> float:
     """
-    Return the standard normal number at a place of the stream of a seed.
+    Return the standard normal number at a place in the stream of a seed.
     """
 def random_uniform(seed: int, counter: int) -> float:
     """
-    Return the number in [0, 1) at a place of the stream of a seed.
+    Return the number in [0, 1) at a place in the stream of a seed.
     """
 def reduced(frame: Frame, width: int) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    Return a frame's pixels, reduced by whole factors to not less than a width; what a factor leaves over at the right and below is dropped.
+    Return a frame's pixels, reduced by whole factors to not less than a width; incomplete pixels at the right and below are dropped.
     """
 def regression(poses: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
     """
@@ -2956,11 +2958,11 @@ def regression(poses: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> tupl
     """
 def relative_masks(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], smoothing: int, gains: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"], least_chroma: float) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
-    Which pixels belong to which colour relative to brightness: the masks of the second chance.
+    The pixels of each colour relative to brightness: the masks of the second chance.
     """
 def rgb_to_yuv(image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    Return Y, U and V of every pixel, as the colour classes use them.
+    Return Y, U and V of every pixel, as for the colour classes.
     
     Full-range BT.601 in coefficients of 7 bits, rounded down: Y = (38 R + 75 G + 15 B)/128,
     U = 128 + (-22 R - 42 G + 64 B)/128, V = 128 + (64 R - 54 G - 10 B)/128.
@@ -3015,11 +3017,11 @@ def sin(x: numpy.typing.ArrayLike) -> typing.Any:
     """
 def small_markers_remark(width: float, noise: float) -> str | None:
     """
-    What is to be said of markers too small for the noise; None of others.
+    A remark on markers too small for the noise; None for large enough ones.
     """
 def surrounding_chroma(image: Frame | numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Return U and V of what most of an image shows, which is the floor around the markers.
+    Return U and V of most of an image, which is the floor around the markers.
     
     Parameters
     ----------
@@ -3029,8 +3031,8 @@ def surrounding_chroma(image: Frame | numpy.typing.NDArray[numpy.uint8]) -> nump
     Returns
     -------
     array (2, 2)
-        Of the means over blocks of 7 x 7 pixels: the medians of U and V; their spreads, half of what
-        lies between the 16th and the 84th percentile (levels).
+        From the means over blocks of 7 x 7 pixels: the medians of U and V, and their spreads, half the
+        distance between the 16th and the 84th percentile (levels).
     
     Raises
     ------
@@ -3052,9 +3054,9 @@ def to_rgb(raw: numpy.typing.ArrayLike, width: int, height: int, format: str, bi
     width, height : int
         Size of the frame (px).
     format : str
-        How the camera sends pixels: a name of `pixel_formats`.
+        The camera's pixel format: a name in `pixel_formats`.
     bits : int
-        That a camera in ``"mono16"`` uses of the 16.
+        Number of used bits of the 16 in ``"mono16"``.
     
     Returns
     -------
@@ -3077,15 +3079,15 @@ def trace_schema() -> list[TraceGroup]:
     """
 def trusted_width(noise: float) -> float:
     """
-    Width of markers (frame px) that can be trusted at a noise (grey levels).
+    Smallest reliable width of markers (frame px) at a noise (grey levels).
     """
 def view_warp(scene: Scene, size: tuple[int, int], plane_map: PlaneMap) -> Warp:
     """
-    Return the warp from a scene to the frames of a camera elsewhere.
+    Return the warp from a scene to the frames of an oblique camera.
     """
 def wrap_angle(angle: numpy.typing.ArrayLike) -> typing.Any:
     """
-    Return the angle in (-pi, pi] that differs by full turns.
+    Return the angle in (-pi, pi], equal up to full turns.
     
     Parameters
     ----------

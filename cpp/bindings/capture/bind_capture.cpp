@@ -62,7 +62,7 @@ void bind_capture(py::module_& module) {
   translate_capture_errors<&raise_camera_error>();
   Class<CaptureDevice, std::shared_ptr<CaptureDevice>>(
       public_in(module, "robsim._core"), "CaptureDevice",
-      "A camera as a grabber sees it. Users take robsim.Camera.");
+      "A camera for a grabber. Users take robsim.Camera.");
   Class<PythonCamera, CaptureDevice, std::shared_ptr<PythonCamera>>(
       public_in(module, "robsim._core"), "PythonCamera", R"(
 A camera in Python, called in the grabber's thread.
@@ -70,12 +70,12 @@ A camera in Python, called in the grabber's thread.
 Parameters
 ----------
 camera : object
-    With ``open()`` and ``close()``, each of which may follow the other any number of times, and
-    ``read()``: None if no frame came within 0.1 s or so; or a pair (image, exposed), where image is
-    a uint8 array (H, W, 3), or None if it was torn, and exposed the time of its exposure
-    (``time.monotonic()``, s), or None if nobody knows it. Three numbers may follow: when it
-    arrived (the same clock, s), how many complete images came before it that were passed over, and
-    how many torn ones. They raise a CaptureError.
+    With ``open()`` and ``close()``, called in turn any number of times, and ``read()``. ``read()``
+    returns None if no frame came within 0.1 s or so, or a pair (image, exposed). The image is a
+    uint8 array (H, W, 3), or None if it was torn; exposed is the time of its exposure
+    (``time.monotonic()``, s), or None if unknown. Three numbers may follow: the time of its arrival
+    (the same clock, s), the number of complete images skipped before this one, and of torn ones.
+    All three methods raise CaptureError.
 bgr : bool
     Whether the images are in OpenCV's order; otherwise they are RGB.
 )")
@@ -83,8 +83,7 @@ bgr : bool
   Class<StreamedCamera, CaptureDevice, std::shared_ptr<StreamedCamera>>(
       public_in(module, "robsim._core"), "StreamedCamera",
       "A camera that another process reads: open() of its object returns the descriptor of a "
-      "socket "
-      "that frames come from, and close() ends the process.")
+      "socket for the frames, and close() ends the process.")
       .def(py::init<py::object>(), "camera"_a);
   Class<Grabber, std::shared_ptr<Grabber>>(
       public_in(module, "robsim._core"), "Grabber",
@@ -98,23 +97,22 @@ bgr : bool
           [](const Grabber& self, double timeout) {
             return wait<Size>(timeout, [&](double s) { return self.wait_for_size(s); });
           },
-          "timeout"_a, "Return (width, height) of the first frame; None if it did not come.")
+          "timeout"_a, "Return (width, height) of the first frame; None without a frame.")
       .def(
           "__call__",
           [](Grabber& self, double timeout) {
             return wait<std::optional<Frame>>(timeout, [&](double s) { return self.take(s); });
           },
-          "timeout"_a, "Return the newest frame, not taken yet; None without a new one.")
-      .def_property_readonly("newest", &Grabber::newest,
-                             "Frame or None: the one that was taken last.")
+          "timeout"_a, "Return the newest frame if it was not taken yet, else None.")
+      .def_property_readonly("newest", &Grabber::newest, "Frame or None: the last taken frame.")
       .def_property_readonly("kept_rate", &Grabber::kept_rate,
-                             "The rate that is sent, and the promised one (1/s); None: the same.")
+                             "The actual and the promised frame rate (1/s); None: they are equal.")
       .def_property_readonly("counts", &counts_of,
                              "list of int: grabbed, delivered, dropped, torn, timeouts, reopened.")
       .def(
           "close", [](Grabber& self, double patience) { self.close(patience); }, "patience"_a = 1.0,
           py::call_guard<WithoutInterpreter>(),
-          "End the thread; leave it behind if it hangs for `patience` s.");
+          "End the thread; abandon it if it hangs for `patience` s.");
   public_in(module, "robsim._core")
       .def(
           "is_whole_jpeg",

@@ -12,13 +12,13 @@ void bind_unicycle(py::module_& module) {
   Class<Unicycle> unicycle(public_in(module, "robsim"), "Unicycle", R"(
 The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
 
-It has the constants of the `RobotModel` and moves as that along a straight line, and in its
-heading; in a curve it drives where it is headed. It can be called like a callback:
+It has the constants of the `RobotModel`, and moves like it along a straight line and in its
+heading; in a curve it drives along its heading. It can be called like a callback:
 ``pose = unicycle(world)``.
 
 Notes
 -----
-s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the way driven in a step, and
+s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the distance driven in a step, and
 x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
 
 Examples
@@ -69,7 +69,7 @@ Replay replay_from_bytes(const py::bytes& bytes) {
 void bind_replay(py::module_& module) {
   Class<Replay, Controller, std::shared_ptr<Replay>> replay(public_in(module, "robsim"), "Replay",
                                                             R"(
-Gives recorded inputs once more: in step k that of row k.
+Repeats recorded inputs: in step k the input of row k.
 
 Parameters
 ----------
@@ -79,7 +79,7 @@ u : array (N, 2)
 Raises
 ------
 IndexError
-    When it is called for a step that has no row.
+    If it is called for a step without a row.
 
 Examples
 --------
@@ -151,7 +151,8 @@ Examples
       [](const DriveAround& made) { made.check(); }, by_name,
       Field("low", &DriveAround::low, "float: lowest voltage (V).", defaults.low),
       Field("high", &DriveAround::high, "float: highest voltage (V).", defaults.high),
-      Field("hold", &DriveAround::hold, "int: steps a voltage is held for.", defaults.hold));
+      Field("hold", &DriveAround::hold, "int: number of steps for which a voltage is held.",
+            defaults.hold));
   define_value(drive, fields);
   define_repr(drive, fields);
 }

@@ -51,13 +51,13 @@ Columns of a trace that are recorded together.
       .def_property_readonly("shape", &shape_of, "tuple of int: shape of the numbers of a step.")
       .def_property_readonly("units", &units_of,
                              "dict of str to str: unit of each column, in the order of a row.")
-      .def_readonly("description", &TraceGroup::description, "str: what it is, in one line.")
-      .def_readonly("is_flag", &TraceGroup::is_flag, "bool: a number above 0 stands for true.")
-      .def_readonly("missing", &TraceGroup::missing, "float: stands where it was not recorded.")
+      .def_readonly("description", &TraceGroup::description, "str: description in one line.")
+      .def_readonly("is_flag", &TraceGroup::is_flag, "bool: a number above 0 means true.")
+      .def_readonly("missing", &TraceGroup::missing, "float: value of steps without a record.")
       .def_readonly("in_simulated", &TraceGroup::in_simulated,
-                    "bool: the trace of a simulated run must have it.")
+                    "bool: required in the trace of a simulated run.")
       .def_readonly("in_recorded", &TraceGroup::in_recorded,
-                    "bool: the trace of frames from elsewhere must have it.");
+                    "bool: required in the trace of external frames.");
 
   public_in(module, "robsim._core").def("trace_schema", &trace_schema, R"(
 Return the groups of columns of a trace, without `state` and `blobs_<color>`, whose widths vary.
@@ -221,7 +221,7 @@ void bind_loop(py::module_& module) {
             const RunGuard::Look look(self.guard());
             self.robot().set_given(given, samples);
           },
-          "given"_a, "samples"_a, "Let callbacks look at no more than that, from the next step on.")
+          "given"_a, "samples"_a, "Limit the callbacks to this data, from the next step on.")
       .def(
           "set_vision",
           [](SlottedLoop& self, const std::vector<ColorClass>& colors, const MarkerLayout& markers,
@@ -233,10 +233,10 @@ void bind_loop(py::module_& module) {
           "Look for other markers, in other colours, from the next step on.")
       .def_property_readonly(
           "minimum_area", [](SlottedLoop& self) { return blob_options_of(self).minimum_area; },
-          "int: of the blobs in the newest frame (px).")
+          "int: minimum area of blobs in the newest frame (px).")
       .def_property_readonly(
           "maximum_count", [](SlottedLoop& self) { return blob_options_of(self).maximum_count; },
-          "int: of the blobs of a colour.")
+          "int: maximum number of blobs of a colour.")
       .def_property_readonly(
           "smoothing", [](SlottedLoop& self) { return blob_options_of(self).smoothing; },
           "int: window of the newest frame (px); 1 = off.")
@@ -248,10 +248,10 @@ void bind_loop(py::module_& module) {
           },
           "observer"_a,
           "Call observer(step, u, measurement, detection, t_arrival, t_sent, interrupted) after "
-          "each step, with None for what there is not; observer None = nobody.")
+          "each step, with None for missing values; observer None = no observer.")
       .def("share", &SlottedLoop::share, "sights"_a,
-           "Let the next runs see what others of the same world and seed have seen.")
-      .def("start", &SlottedLoop::start, "Do what comes once, if that has not been done yet.")
+           "Let the next runs use the sights of other runs with the same world and seed.")
+      .def("start", &SlottedLoop::start, "Do the actions at the start, unless they are done.")
       .def(
           "run",
           [](SlottedLoop& self, std::int64_t steps, const py::object& progress, bool stops_robot) {
@@ -259,19 +259,17 @@ void bind_loop(py::module_& module) {
           },
           "steps"_a, "progress"_a = py::none(), "stops_robot"_a = true,
           "Run `steps` steps; progress(done) is called every 50 ms or so. True = the world has "
-          "come "
-          "to its end.")
+          "ended.")
       .def(
           "step_stage",
           [](SlottedLoop& self, const py::object& progress) {
             return in_run(self, [&] { return self.step_stage(pulse(progress)); });
           },
           "progress"_a = py::none(),
-          "Do the next stage that is on and return its name; None = the world has come to its end.")
-      .def("stop", &SlottedLoop::stop, "End the run under way; False if there is none.")
-      .def("stop_robot", &SlottedLoop::stop_robot_between_runs,
-           "Send the stop input, if there is one.")
-      .def("reset", &SlottedLoop::reset, "Go back to the start.")
+          "Do the next enabled stage and return its name; None = the world has ended.")
+      .def("stop", &SlottedLoop::stop, "End the current run; False without a run.")
+      .def("stop_robot", &SlottedLoop::stop_robot_between_runs, "Send the stop input, if set.")
+      .def("reset", &SlottedLoop::reset, "Return to the start.")
       .def("columns", &columns_of, "Return the columns of the trace: name -> array (rows, width).")
       .def(
           "check_thread", [](const SlottedLoop& self) { self.guard().check_thread(); },
@@ -279,12 +277,12 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("has_started", &SlottedLoop::has_started)
       .def_property_readonly(
           "rows", [](const SlottedLoop& self) { return self.trace().rows(); },
-          "int: steps recorded by now.")
+          "int: number of recorded steps.")
       .def_property_readonly("is_running",
                              [](const SlottedLoop& self) { return self.guard().is_running(); })
       .def_property_readonly(
           "stage", [](const SlottedLoop& self) { return self.stage(); },
-          "str: the stage that runs, or comes next.")
+          "str: the current or next stage.")
       .def_property_readonly("model", [](const SlottedLoop& self) { return self.robot().model(); })
       .def_property_readonly(
           "estimator", [](const SlottedLoop& self) { return to_python(self.robot().estimator()); })
@@ -301,5 +299,5 @@ void bind_loop(py::module_& module) {
             const Frame* frame = self.last_step()->look();
             return frame ? std::optional(*frame) : std::nullopt;
           },
-          "Frame or None: that of the newest step, also where it is not given to callbacks.");
+          "Frame or None: the newest step's frame, even if callbacks do not get it.");
 }

@@ -44,7 +44,7 @@ py::str repr(const Estimate& self) {
 
 void bind_estimate_and_sample(py::module_& module) {
   Class<Estimate> estimate(public_in(module, "robsim"), "Estimate", R"(
-What a state estimator makes of a step.
+The result of a state estimator in a step.
 
 Parameters
 ----------
@@ -83,7 +83,7 @@ phi : array (3, 5)
 y : array (3,)
     Outputs x, y (work-area px) and heading (rad).
 k : int
-    The step whose output y is.
+    The step of the output y.
 
 Examples
 --------
@@ -104,30 +104,29 @@ Examples
           "phi", [](const Sample& self) { return self.regression.phi; },
           "array (3, 5): regressors of the axes X, Y and P (heading)."),
       Field("y", y, "array (3,): outputs x, y (work-area px) and heading (rad)."),
-      Field("k", &Sample::k, "int: the step whose output y is."));
+      Field("k", &Sample::k, "int: the step of the output y."));
   define_value(sample, sample_fields);
   define_repr(sample, "<Sample of step {0.k}>");
 }
 
 void bind_observation(py::module_& module) {
   Class<Arrived> observation(public_in(module, "robsim"), "Observation", R"(
-What a source of frames may give to an `Experiment` in place of a plain frame.
+An item from a source of frames for an `Experiment`, instead of a plain frame.
 
 Parameters
 ----------
 frame : Frame, optional
-    What the camera sees. None = no frame in this step.
+    The camera's frame. None = no frame in this step.
 t : float, optional
-    Time of the step (s). Default: that of the frame, or one sample time after the last step.
+    Time of the step (s). Default: the frame's time, or one sample time after the last step.
 last_u : array (2,), optional
-    The input that the robot really got since the last step (V), if it is not what the controller
-    returned.
+    The input that the robot really got since the last step (V), if different from the controller's.
 measurement : Measurement or array (3,), optional
-    Where the robot was seen, if somebody else has measured it: ``measure=True`` leaves it as it is.
+    The robot's pose, if measured externally: ``measure=True`` keeps it unchanged.
 sample : Sample, optional
-    The sample for the parameter estimator, if somebody else has made it.
+    The sample for the parameter estimator, if made externally.
 interrupted : bool
-    The robot was stopped since the last step: no sample spans that.
+    The robot was stopped since the last step: no sample spans the stop.
 
 Examples
 --------
@@ -146,7 +145,7 @@ Examples
       Field("last_u", known(&Observation::last_u),
             "array (2,) or None: the input since the last step (V).", std::nullopt),
       Field("measurement", known(&Observation::measurement),
-            "Measurement or None: where the robot was seen.", std::nullopt),
+            "Measurement or None: the measured pose.", std::nullopt),
       Field("sample", known(&Observation::sample),
             "Sample or None: the sample for the parameter estimator.", std::nullopt),
       Field("interrupted", known(&Observation::interrupted),

@@ -111,15 +111,16 @@ std::pair<int, py::bytes> exchanged(MessageSocket& socket, int kind, const py::o
 }  // namespace
 
 void bind_remote(py::module_& module) {
-  Class<MessageSocket>(public_in(module, "robsim._core"), "MessageSocket",
-                       "One end of a stream socket between two processes that speak in turn.")
+  Class<MessageSocket>(
+      public_in(module, "robsim._core"), "MessageSocket",
+      "One end of a stream socket between two processes that send messages in turn.")
       .def(py::init(&make_socket), "descriptor"_a, "limits"_a)
       .def("exchange", &exchanged, "kind"_a, "parts"_a, "patience"_a);
 
   Class<PythonRemoteRobot, std::shared_ptr<PythonRemoteRobot>>(
       public_in(module, "robsim._core"), "RemoteRobot",
-      "A robot half in another process: a value for the slots that it fills. exchange(message, "
-      "pixels or None, slot, k) returns the answer; refuse(slot, k, what) raises.",
+      "A robot half in another process: a value for its slots. exchange(message, pixels or None, "
+      "slot, k) returns the answer; refuse(slot, k, what) raises.",
       py::custom_type_setup(&collect_garbage<PythonRemoteRobot>))
       .def(py::init(&make_robot), "exchange"_a, "refuse"_a, py::kw_only(), "slots"_a, "world"_a,
            "sends_frames"_a, "sends_samples"_a, "measures_first"_a, "has_standard_errors"_a,

@@ -139,16 +139,17 @@ WorldState make_world_state(const Pose& pose_1, const Pose& pose_2, const Input&
 
 void bind_world_state(py::module_& module) {
   Class<WorldState> world(public_in(module, "robsim.simulation"), "WorldState", R"(
-What the callback `evaluate_model` gets. Made by hand, it tests a callback without a simulation.
+The argument of the callback `evaluate_model`. Made by hand, it tests a callback without a
+simulation.
 
 Parameters
 ----------
 pose_1, pose_2 : array (3,)
     The poses of steps k-1 and k-2: x, y (work-area px), heading (rad).
 last_u : array (2,)
-    What acted on the motors since step k-1, on average (V).
+    Mean input of the motors since step k-1 (V).
 model : RobotModel, optional
-    The model that this world follows. Default: that of the default robot.
+    The model that this world follows. Default: the default robot's.
 k : int
     Number of the step.
 t, dt : float, optional
@@ -166,10 +167,9 @@ array([601.94, 500.  ,   0.  ])
             "array (3,): the pose of step k-1: x, y (work-area px), heading (rad)."),
       Field("pose_2", &WorldState::pose_2, "array (3,): the pose of step k-2."),
       Field("last_u", &WorldState::last_u,
-            "array (2,): what acted on the motors since step k-1, on average (V): with noise and "
-            "delay, if there are any."),
-      Field("model", &WorldState::model, "RobotModel: the one that this world follows.",
-            std::nullopt),
+            "array (2,): mean input of the motors since step k-1 (V), with noise and delay if "
+            "enabled."),
+      Field("model", &WorldState::model, "RobotModel: the model of this world.", std::nullopt),
       by_name, Field("k", &WorldState::k, "int: number of the step.", 1),
       Field("t", &WorldState::t, "float: time (s).", std::nullopt),
       Field("dt", &WorldState::dt, "float: sample time (s).", std::nullopt));
@@ -214,27 +214,27 @@ void bind_simulated_world(py::module_& module) {
             self.set_noise_keys({keys.data(), keys.data() + keys.size()});
           },
           "keys"_a,
-          "Draw the noise of each frame from a key of its own, array (steps,) of uint64; empty: no "
+          "Draw the noise of each frame from a separate key, array (steps,) of uint64; empty: no "
           "longer.")
       .def("set_frame_memory", &set_frame_memory, "images"_a,
-           "Draw the newest frames on one of these arrays (H, W, 3), whoever holds it.")
+           "Draw the newest frames on one of these arrays (H, W, 3), even if it is in use.")
       .def_property_readonly(
           "model", [](const SlottedWorld& self) { return self.model(); },
-          "RobotModel or None: the one that the robot follows; None before the start.")
+          "RobotModel or None: the model that the robot follows; None before the start.")
       .def_property_readonly(
           "pose",
           [](const SlottedWorld& self) {
             const RunGuard::Look look(self.loop_guard());
             return self.truth()->pose;
           },
-          "array (3,): where the robot is: x, y (work-area px), heading (rad).")
+          "array (3,): pose of the robot: x, y (work-area px), heading (rad).")
       .def_property_readonly(
           "scene",
           [](const SlottedWorld& self) {
             const RunGuard::Look look(self.loop_guard());
             return std::const_pointer_cast<Scene>(self.scene());
           },
-          "Scene or None: what the camera looks at; None if nobody has looked yet.")
+          "Scene or None: the camera's scene; None before its first use.")
       .def("draw_newest", &draw_newest, "out"_a = py::none(),
            "Return the newest frame, or write it to `out`.")
       .def("draw", &draw, "k"_a, "pose_true"_a, "view"_a = std::array<double, 2>{},
@@ -332,14 +332,14 @@ class PythonSource : public ExternalWorld, public SlotValues {
 
 void bind_external_world(py::module_& module) {
   py::delattr(py::enum_<Arrival>(public_in(module, "robsim._core"), "Arrival",
-                                 "What a source of frames may say in place of a frame.")
+                                 "An answer of a source of frames instead of a frame.")
                   .value("NOTHING_YET", Arrival::nothing_yet)
                   .value("END", Arrival::end),
               "__init__");  // it complains in pybind11's words
 
   Class<PythonSource, World, std::shared_ptr<PythonSource>>(
       public_in(module, "robsim._core"), "ExternalWorld",
-      "The world half outside. Users take robsim.Experiment.",
+      "The external world half. Users take robsim.Experiment.",
       py::custom_type_setup(&collect_garbage<PythonSource>))
       .def(py::init<const py::object&, const py::object&, double, const std::optional<Limits>&,
                     double>(),
@@ -352,7 +352,7 @@ void bind_external_world(py::module_& module) {
 void bind_simulated_worlds(py::module_& module) {
   bind_world_state(module);
   Class<World, std::shared_ptr<World>>(public_in(module, "robsim._core"), "World",
-                                       "A world half, as the loop sees it.");
+                                       "A world half, for the loop.");
   bind_simulated_world(module);
   bind_external_world(module);
 }

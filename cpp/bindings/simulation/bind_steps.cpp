@@ -78,21 +78,21 @@ auto fields_of_step(const Make& make, const More&... more) {
       make, Field("k", &Step::k, "int: number of the step, from 0."),
       Field("t", &Step::t, "float: time (s)."),
       Field("dt", &Step::dt,
-            "float: time since the step before (s); if the robot was stopped in between,\n"
-            "rounded to sample times of the model."),
+            "float: time since the previous step (s); if the robot was stopped in "
+            "between,\nrounded to sample times of the model."),
       Field("last_u", read(&Step::last_u),
-            "array (2,): the input of the step before, u1 left and u2 right (V)."),
+            "array (2,): the input of the previous step, u1 left and u2 right (V)."),
       Field("u", &Step::u),
       Field("sample", sample,
-            "Sample or None: the newest complete sample. None at the start, and where a\n"
-            "bounce or a missing measurement interrupts the record."),
+            "Sample or None: the newest complete sample. It is None at the start, and if a bounce "
+            "or a\nmissing measurement interrupts the record."),
       Field("parameters", read(&Step::parameters),
-            "array (3, 5) or None: the parameters estimated by now."),
+            "array (3, 5) or None: the parameters estimated so far."),
       Field("measurement", read(&Step::measurement),
-            "Measurement or None: where the robot was seen. None before that stage."),
+            "Measurement or None: the measured pose. None before that stage."),
       Field("detection", detection,
-            "Detection or None: the result of the default measurement, with its reason if there is "
-            "none.\nNone before that stage, for a callback, and without a frame."),
+            "Detection or None: the result of the default measurement, also with the reason for a "
+            "missing\npose. None before that stage, for a callback, and without a frame."),
       Field("estimate", read(&Step::estimate),
             "Estimate or None: the result of the state estimator."),
       more...);
@@ -146,10 +146,10 @@ std::shared_ptr<Step> make_step(std::int64_t k, std::optional<double> t, double 
 
 void bind_steps(py::module_& module) {
   Class<Step, std::shared_ptr<Step>> step(public_in(module, "robsim"), "Step", R"(
-What the robot half may know of a step, read-only. It fills up from stage to stage.
+The robot half's data of a step, read-only. Each stage adds its result.
 
-Made by hand, it tests a callback without a simulation. A copy has the frame, if it is still there,
-but no `estimator`. Equal are steps with the same numbers; frames are not compared.
+Made by hand, it tests a callback without a simulation. A copy has the frame, if it still exists,
+but no `estimator`. Steps with the same numbers are equal; frames are not compared.
 
 Parameters
 ----------
@@ -158,25 +158,25 @@ k : int
 t : float, optional
     Time (s). Default: k dt.
 dt : float
-    Time since the step before (s).
+    Time since the previous step (s).
 last_u : array (2,)
-    The input of the step before (V).
+    The input of the previous step (V).
 frame : Frame, optional
     What the camera sees.
 measurement : Measurement or array (3,), optional
     Where the robot was seen.
 estimate : Estimate, optional
-    What the state estimator returned.
+    The result of the state estimator.
 parameters : array (3, 5), optional
-    The parameters estimated.
+    The estimated parameters.
 sample : Sample, optional
     The sample for the parameter estimator.
 u : array (2,), optional
-    The input decided (V).
+    The input of this step (V).
 colors : list of ColorClass
-    What `blobs` are found with.
+    The colours used to find `blobs`.
 markers : MarkerLayout, optional
-    Where the robot carries its markers.
+    The robot's markers and their positions.
 
 Examples
 --------
@@ -193,27 +193,27 @@ Examples
            "sample"_a = py::none(), "u"_a = py::none(), "colors"_a = std::vector<ColorClass>(),
            "markers"_a = py::none())
       .def_property_readonly("u", &decided_input,
-                             "array (2,): the input decided in this step, as sent to the motors "
-                             "(V). RuntimeError before that.")
+                             "array (2,): the input of this step, as sent to the motors (V). "
+                             "RuntimeError before the controller.")
       .def_property_readonly(
           "frame",
           [](Step& self) -> std::optional<Frame> {
             const Frame* frame = self.given_frame();
             return frame ? std::optional(*frame) : std::nullopt;
           },
-          "Frame or None: what the camera sees. None if no frame came in this step.")
+          "Frame or None: the camera's frame. None if no frame came in this step.")
       .def_property_readonly(
           "blobs", [](Step& self) { return self.given_blobs(); },
           "dict of str to list of Blob: per colour the blobs in the frame, the largest first.")
       .def_property_readonly(
           "estimator", [](const Step& self) { return to_python(self.estimator); },
-          "The object that init_parameter_estimator made.")
+          "The object from init_parameter_estimator.")
       .def_property_readonly(
           "markers", [](const Step& self) { return self.markers(); },
-          "MarkerLayout: where the robot carries its markers.")
+          "MarkerLayout: the robot's markers and their positions.")
       .def_property_readonly(
           "colors", [](const Step& self) { return self.colors(); },
-          "list of ColorClass: the colours that blobs are found with.");
+          "list of ColorClass: the colours used to find blobs.");
   define_repr(step, "<Step {0.k}: t = {0.t:g} s>");
   // Equal are steps with the same numbers. It fills up during the step: there is no hash.
   define_equality(step, numbers);
