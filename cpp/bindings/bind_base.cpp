@@ -55,8 +55,8 @@ ValueError
 )");
 }
 
-// What excitations and worlds are computed with in Python: the same bits on every machine, where
-// the functions of math and numpy differ in the last digit.
+// Functions for excitations and worlds in Python: the same bits on every machine, where the
+// functions of math and numpy differ in the last digit.
 void bind_elementary(py::module_& module) {
   const auto bind = [&](const char* name, double (*function)(double), const char* doc) {
     bind_function(public_in(module, "robsim._core"), name, function, "x", "", doc);

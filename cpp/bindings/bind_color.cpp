@@ -75,7 +75,7 @@ py::array_t<std::int64_t> histograms_of(const ImageLike& image, const PixelBox& 
   return result;
 }
 
-// None if the region is most of the image.
+// Empty if the region is most of the image.
 std::optional<SurroundingChroma> chroma_around(const ImageView& image, const PixelBox& region) {
   const double inside = static_cast<double>(region.right - region.left) *
                         static_cast<double>(region.bottom - region.top);

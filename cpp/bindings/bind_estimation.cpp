@@ -103,7 +103,7 @@ LeastSquaresFit fit(const ArrayLike& phi_value, const ArrayLike& y_value) {
 template <typename From, typename To>
 using copy_const = std::conditional_t<std::is_const_v<From>, const To, To>;
 
-// What changes with each update, for one thread at a time: a run may have it.
+// The state that each update changes, for one thread at a time: a run may use it.
 template <typename Result, typename Filters, typename... Arguments>
 auto alone(Result (*function)(Filters&, Arguments...)) {
   return

@@ -9,8 +9,8 @@ using namespace robsim::bindings;
 
 namespace {
 
-// In a forked process its thread and its locks are nobody's: there it is left alone. The last to
-// have it may be the thread of a camera; its world holds objects of the interpreter's.
+// In a forked process its thread does not exist and its locks have no owner: it is not touched
+// there. Its last owner may be the thread of a camera; its world holds objects of the interpreter.
 struct Ended {
   void operator()(Laboratory* laboratory) const {
     if (laboratory->is_elsewhere()) return;

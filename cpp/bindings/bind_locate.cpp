@@ -217,7 +217,7 @@ Examples
           Field("by_second_chance", &Detection::by_second_chance,
                 "bool: the pair was found only with colours relative to brightness. The limits of "
                 "a colour\nthen hold for U - 128 and V - 128 as fractions of the largest of R, G "
-                "and B, with 26 levels\nfor a saturation of 29 %. Under coloured light, the floor "
+                "and B. 26 levels mean\na saturation of 29 %. Under coloured light, the floor "
                 "counts as grey. Dim light, its\ngradients and faded markers change the levels, "
                 "but not the fractions."),
           Field("markers", &Detection::markers)));
@@ -244,7 +244,7 @@ np.False_
               "<MissedDetections: {0.reason} in {0.steps} steps, first in step {0.first_k}>");
 }
 
-// That of a Frame, if no other one is given.
+// With a Frame's plane map, if no other one is given.
 Detection detect_in(const BlobsByColor& blobs, const MarkerLayout& markers,
                     const std::optional<PlaneMap>& plane_map, const std::optional<ImageLike>& image,
                     const std::optional<std::vector<ColorClass>>& colors) {

@@ -71,7 +71,7 @@ auto of_both(const MarkerLayout& self, const Get& get) {
   return by_role<Annotated>(self.roles, get(self.first), get(self.second));
 }
 
-// What makes it anew, or, with outlines of many corners, what is worth knowing.
+// The call that makes it again, or, with outlines of many corners, a summary.
 py::str repr_of_layout(const MarkerLayout& self) {
   const auto positions = of_both<py::tuple>(self, [](const Marker& marker) {
     return py::make_tuple(marker.position.x, marker.position.y);

@@ -97,7 +97,7 @@ py::array_t<double> jacobian_of(const RobotModel& model, const ArrayLike& pose_1
   return result;
 }
 
-// What the fits give: any finite or infinite numbers, since an iteration may diverge.
+// Arguments from the fits: any finite or infinite numbers, since an iteration may diverge.
 struct PathArguments {
   AxisMatrix theta;
   Doubles poses, u;

@@ -76,7 +76,7 @@ py::array with_noise(const VisualNoise& self, const PixelArray& image, std::uint
   const bool is_in_place = to.data == clean.data && to.stride == clean.stride;
   if (out && !is_in_place &&
       py::module_::import("numpy").attr("may_share_memory")(image, *out).cast<bool>()) {
-    throw py::value_error("out must be image itself, or share no memory with it");
+    throw py::value_error("out must be image itself, or share no memory with image");
   }
   {
     const WithoutInterpreter native;

@@ -16,11 +16,11 @@ namespace {
 
 const char* const in_sub_interpreter =
     "robsim cannot be imported in a sub-interpreter: it works in the main interpreter of a process "
-    "alone. Import it there, or in a process of its own (multiprocessing, subprocess)";
+    "alone. Import it there, or in a separate process (multiprocessing, subprocess)";
 
 bool is_main_interpreter() { return PyInterpreterState_Get() == PyInterpreterState_Main(); }
 
-// What the default would say less well: "std::bad_alloc", RuntimeError.
+// Better messages than the default ones: "std::bad_alloc", RuntimeError.
 void translate_errors() {
   py::register_local_exception_translator([](std::exception_ptr error) {
     try {
@@ -52,8 +52,8 @@ PYBIND11_MODULE(core_of_the_main_interpreter, module, py::multiple_interpreters:
   pybind11::delattr(module, "__module__");  // the bindings set it
 }
 
-// In a sub-interpreter pybind11 may wait for ever for the lock of the main one: so the module's own
-// entry looks first. From Python 3.13 on it is called in the main one for all: the body looks
+// In a sub-interpreter pybind11 may wait endlessly for the lock of the main one: so the module's
+// own entry looks first. From Python 3.13 on it is called in the main one for all: the body looks
 // again.
 extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
   if (is_main_interpreter()) return PyInit_core_of_the_main_interpreter();

@@ -1142,8 +1142,8 @@ class Detection:
     def by_second_chance(self) -> bool:
         """
         bool: the pair was found only with colours relative to brightness. The limits of a colour
-        then hold for U - 128 and V - 128 as fractions of the largest of R, G and B, with 26 levels
-        for a saturation of 29 %. Under coloured light, the floor counts as grey. Dim light, its
+        then hold for U - 128 and V - 128 as fractions of the largest of R, G and B. 26 levels mean
+        a saturation of 29 %. Under coloured light, the floor counts as grey. Dim light, its
         gradients and faded markers change the levels, but not the fractions.
         """
     @property

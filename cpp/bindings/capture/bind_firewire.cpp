@@ -1,4 +1,4 @@
-// The extension of cameras on FireWire: what needs libdc1394.
+// The extension of cameras on FireWire, which needs libdc1394.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -65,10 +65,10 @@ PYBIND11_MODULE(_firewire, module) {
   camera
       .def(py::init(&make_camera), py::arg("choice"), py::kw_only(), py::arg("size"),
            py::arg("region"), py::arg("fps"), py::arg("coding"), py::arg("features"))
-      .def_property_readonly("video", &video_of, "dict: what it sends; empty before it is open.")
+      .def_property_readonly("video", &video_of,
+                             "dict: format of its frames; empty before it is open.")
       .def_property_readonly("guid", &FireWireCamera::guid, "str: its number, 16 digits.")
-      .def_property_readonly("restarts", &FireWireCamera::restarts,
-                             "int: times that it was made to send again.");
+      .def_property_readonly("restarts", &FireWireCamera::restarts, "int: number of restarts.");
   bind_camera(camera);
   module.def("cameras", &cameras, "Return (guid, vendor, model) of all cameras on the bus.");
   module.def(

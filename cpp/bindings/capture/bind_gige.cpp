@@ -78,8 +78,9 @@ PYBIND11_MODULE(_gige, module) {
   camera
       .def(py::init(&make_camera), "source"_a, py::kw_only(), "size"_a, "region"_a, "fps"_a,
            "format"_a, "features"_a, "packet_size"_a)
-      .def_property_readonly("info", &info_of,
-                             "dict or None: what it is and what it sends, once it was open.");
+      .def_property_readonly(
+          "info", &info_of,
+          "dict or None: its identity and the format of its frames, once it was open.");
   bind_camera(camera);
   module.def(
       "find_cameras",

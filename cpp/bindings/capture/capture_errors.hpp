@@ -8,7 +8,7 @@
 
 namespace robsim::bindings {
 
-/// Text of a device, which may be in any coding, or cut: what is no UTF-8 becomes U+FFFD.
+/// Text of a device, which may be in any coding, or cut: invalid UTF-8 becomes U+FFFD.
 inline pybind11::str device_text(const std::string& text) {
   PyObject* const decoded =
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace");
@@ -25,7 +25,7 @@ inline void raise_in_python(const CaptureError& error) {
   PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
 }
 
-/// Lets the functions of this extension raise what they throw as a CaptureError.
+/// Lets the functions of this extension raise their exceptions as a CaptureError.
 template <void (*raise)(const CaptureError&) = &raise_in_python>
 void translate_capture_errors() {
   pybind11::register_local_exception_translator([](std::exception_ptr error) {

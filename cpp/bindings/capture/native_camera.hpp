@@ -43,8 +43,8 @@ std::vector<FeatureTuple> features_of(const Camera& camera) {
   return found;
 }
 
-/// Opens a device, which takes as long as it likes for its answers: Ctrl-C is heard meanwhile, and
-/// after `patience` (s) nobody waits any more. Throws CaptureError.
+/// Opens a device, which may answer late: Ctrl-C works meanwhile, and the wait ends after
+/// `patience` (s). Throws CaptureError.
 inline void open_in_thread(const std::shared_ptr<CaptureDevice>& device, double patience = 30) {
   constexpr std::chrono::milliseconds look(100);
   const auto opening = std::make_shared<std::packaged_task<void()>>([device] { device->open(); });
@@ -77,7 +77,7 @@ void bind_camera(Class& camera) {
   camera
       .def(
           "open", [](const std::shared_ptr<Camera>& self) { open_in_thread(self); },
-          "Start it, so that what it sends is known. Raises CaptureError.")
+          "Start it, so that the format of its frames is known. Raises CaptureError.")
       .def("close", &Camera::close, py::call_guard<WithoutInterpreter>(), "Give it back.")
       .def_property_readonly(
           "features", &features_of<Camera>,

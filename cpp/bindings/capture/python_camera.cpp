@@ -31,7 +31,7 @@ std::int64_t count_from(py::handle value) {
   return count;
 }
 
-// What read() has returned, but for the pixels.
+// The result of read(), without the pixels.
 Captured captured_from(const py::tuple& read) {
   if (read.size() != 2 && read.size() != 5) throw py::cast_error();
   Captured captured;

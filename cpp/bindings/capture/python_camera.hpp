@@ -6,7 +6,7 @@
 
 namespace robsim::bindings {
 
-/// What a Python camera raised: the exception itself passes on to the reader.
+/// An exception of a Python camera, which itself passes on to the reader.
 class PythonCaptureError : public CaptureError {
  public:
   PythonCaptureError(CaptureFault fault, const std::string& text, SharedObject raised)
@@ -23,7 +23,7 @@ class PythonCaptureError : public CaptureError {
 void raise_camera_error(const CaptureError& error);
 
 /// A camera in Python, with `open()`, `read()` and `close()`. The interpreter is held for these
-/// calls alone; pixels are copied without it.
+/// calls only, not for copying pixels.
 class PythonCamera : public CaptureDevice {
  public:
   PythonCamera(py::object camera, bool bgr)

@@ -1,4 +1,4 @@
-// What the two markers of a robot have, by their roles: dicts in Python, pairs in C++.
+// Values of a robot's two markers, by their roles: dicts in Python, pairs in C++.
 #pragma once
 
 #include <pybind11/typing.h>

@@ -15,8 +15,8 @@ namespace robsim::bindings {
 /// and where the callable is defined. It does not keep the callable alive: SlotValues do.
 class Callback {
  public:
-  /// `what`, if it is no callback, is what a message calls it. Throws py::type_error unless the
-  /// value is callable.
+  /// `what` is the name in messages, if it is no callback. Throws py::type_error unless the value
+  /// is callable.
   Callback(std::string slot, py::handle function, std::string what = "");
 
   /// Calls it at step k (-1 = at the start). Its exception passes on with a note.
@@ -76,7 +76,7 @@ class StepObject {
     step_ = nullptr;
   }
 
-  /// True if it is the step's object, and nobody else has it.
+  /// True if it is the step's object, without another holder.
   bool is_only_holder(const StepPointer& step) const {
     return step.get() == step_ && step.use_count() == 2 && object_.ref_count() == 1;
   }
@@ -108,7 +108,7 @@ py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator);
 struct SlotValues {
   std::unordered_map<std::string, py::object> values;
 
-  /// What else it alone holds.
+  /// Other objects that only it holds.
   py::handle also_held() const { return {}; }
   void let_go() {}
 };
@@ -142,13 +142,14 @@ class SlottedLoop : public Loop, public SlotValues {
   SlottedLoop(std::shared_ptr<World> world, const RobotOptions& robot, IdentifyFrom identify_from);
 
   /// Puts a value into the slot of a name: a callable, a native component, True for the default
-  /// of an optional stage, None for what is there without being asked for.
+  /// of an optional stage, None for its default.
   void set_slot(const std::string& slot, const py::object& value);
 
   /// Throws the error of a stage as the Python exception of the callable in its slot.
   [[noreturn]] void refuse(const ResultError& error) const;
 
-  /// The user's estimator, which often refers to its simulation; null while somebody else has it.
+  /// The user's estimator, which often refers to its simulation; null while another object holds
+  /// it.
   py::handle also_held() const;
   void let_go();
 

@@ -1,4 +1,4 @@
-// What an argument of a native function must be: for the error that names it.
+// Expected types of the arguments of native functions, for their errors.
 #pragma once
 
 #include <limits>

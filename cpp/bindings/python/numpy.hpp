@@ -1,4 +1,4 @@
-// All conversion between Python values and those of the core, with checks of type and shape.
+// All conversion between Python values and C++ values, with checks of type and shape.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -65,7 +65,7 @@ Doubles numbers_from(py::handle value, const std::string& name, const std::optio
                      const std::string& expected);
 
 /// An array of finite float64 numbers of this shape (-1 = any size; none = any shape).
-/// Throws py::type_error or py::value_error that names the argument and what was expected.
+/// Throws py::type_error or py::value_error that names the argument and the expected value.
 Doubles doubles_from(py::handle value, const std::string& name, const std::optional<Shape>& shape,
                      const std::string& expected);
 
@@ -140,7 +140,7 @@ py::array_t<double> to_array(const Eigen::MatrixBase<Derived>& matrix) {
 /// A view of the caller's uint8 RGB pixels, shape (H, W, 3), rows of any stride. Copies nothing.
 ImageView image_view(py::handle value, const std::string& name);
 
-/// A Python object that must be given back while nobody holds the interpreter, in any thread.
+/// A Python object that may be released without the interpreter lock, in any thread.
 using SharedObject = std::shared_ptr<PyObject>;
 SharedObject shared_object(py::object object);
 

@@ -23,7 +23,7 @@ std::unordered_map<PyObject*, Signature>& signatures() {
   return *all;
 }
 
-// What stands in a signature for a default; `...` for what is not written as a literal.
+// The text of a default in a signature; `...` for a value that has no literal.
 std::string default_text(const py::object& value) {
   const auto text = py::repr(value).cast<std::string>();
   return std::string("<ABCDEGHIJKLMOPQRSUVWXYZ").find(text.front()) == std::string::npos ? text
@@ -67,7 +67,7 @@ using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject
 
 FastCall dispatcher = nullptr;  // pybind11's, the same for all functions
 
-// Values that pybind11 takes for what they are not.
+// Values that pybind11 takes for other types.
 bool has_odd_value(PyObject* const* arguments, Py_ssize_t n_positional, PyObject* keywords) {
   const Py_ssize_t count = n_positional + (keywords ? PyTuple_GET_SIZE(keywords) : 0);
   return std::any_of(arguments, arguments + count, [](PyObject* value) {
@@ -162,8 +162,8 @@ PyCFunctionObject& c_function(const py::object& function) {
   return *reinterpret_cast<PyCFunctionObject*>(plain);
 }
 
-// Functions that belong to a module or class in the eyes of Python. What pybind11 needs as `self`
-// is kept here, and each has an entry of its own that knows its place.
+// Functions that belong to a module or class in the eyes of Python. Their `self` for pybind11 is
+// kept here, and each has a separate entry that knows its place.
 constexpr std::size_t maximum_functions = 64;
 std::array<PyObject*, maximum_functions> records{};
 std::size_t n_functions = 0;

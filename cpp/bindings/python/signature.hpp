@@ -15,7 +15,7 @@ using namespace py::literals;
 struct Parameter {
   std::string name;
   bool is_keyword_only = false;
-  py::object default_value;  // null: there is none
+  py::object default_value;  // null: no default
   void (*check)(py::handle, const std::string& name) = nullptr;
 };
 
@@ -31,8 +31,8 @@ struct ArgumentTypes<R (C::*)(A...)> : ArgumentTypes<R (*)(A...)> {};
 template <typename C, typename R, typename... A>
 struct ArgumentTypes<R (C::*)(A...) const> : ArgumentTypes<R (*)(A...)> {};
 
-/// The parameters of a function, by what pybind11 is told of them. A template is compiled anew for
-/// each function, so what depends on no type stands in the source file.
+/// The parameters of a function, from its definition for pybind11. A template is compiled for each
+/// function, so code that depends on no type is in the source file.
 class ParameterList {
  public:
   template <typename... T, typename... Extra>
@@ -72,10 +72,10 @@ ParameterList parameters_of(const Extra&... extra) {
   return ParameterList(static_cast<const Types*>(nullptr), extra...);
 }
 
-/// Lets `inspect.signature` know a native function of a module, or a static method of a class, and
-/// a call with wrong arguments raise a TypeError that names the argument, what was expected and
-/// what came. It belongs to its owner as those of Python do: help would say that it is a method of
-/// something of pybind11, and it could not be pickled.
+/// Lets `inspect.signature` know a native function of a module, or a static method of a class. A
+/// call with wrong arguments raises a TypeError that names the argument, the expected and the
+/// actual value. The function belongs to its owner like a Python function. Otherwise help would
+/// call it a method of a pybind11 object, and it could not be pickled.
 void sign_function(py::handle owner, const char* name, const ParameterList& parameters);
 
 /// The same for a method; those that Python calls for an operator stay as they are.
@@ -159,7 +159,7 @@ class Class : public py::class_<T, Options...> {
   }
 };
 
-/// The module, in which what is bound next says that it is of a public one, such as
+/// The module; the next bound objects name a public module as their home, such as
 /// "robsim.vision": help, signatures and errors show that name. Python exports it there.
 inline Module public_in(py::module_& module, const char* name) {
   module.attr("__module__") = name;

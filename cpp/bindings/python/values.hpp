@@ -32,8 +32,8 @@ struct Field {
 /// Among the fields: the ones behind it are arguments by name alone, and the repr names them.
 constexpr py::kw_only by_name{};
 
-/// The fields that together make up a value, and from which `make` makes it anew: with its checks,
-/// since pickles come from elsewhere.
+/// The fields that together make up a value, and from which `make` makes it again: with its
+/// checks, since pickles may come from outside.
 template <typename Make, typename... F>
 struct Fields {
   Fields(Make make, F... fields) : make(std::move(make)), fields(std::move(fields)...) {}
@@ -145,7 +145,7 @@ inline py::object key_of(py::handle value) {
   return std::move(key);
 }
 
-/// What a class of the user's own that builds on a value has added to it.
+/// The attributes that a user's subclass has added to a value.
 inline py::dict own_attributes(py::handle self) {
   return py::getattr(self, "__dict__", py::dict()).cast<py::dict>();
 }

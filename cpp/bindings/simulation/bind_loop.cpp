@@ -109,7 +109,7 @@ std::unique_ptr<SlottedLoop> make_loop(const std::shared_ptr<World>& world,
       world, RobotOptions{colors, markers, smoothing, controller_seed}, identify_from);
 }
 
-// Does not keep the callable alive, as Callback. What it raises is written, and ends no run.
+// Does not keep the callable alive, as Callback. Its exceptions are printed, and end no run.
 Loop::Observer observer_of(const py::object& observer) {
   if (observer.is_none()) return {};
   if (py::isinstance<PythonRemoteWorld>(observer)) {
@@ -162,7 +162,7 @@ auto in_run(SlottedLoop& loop, const Work& work) {
   }
 }
 
-// Views of the rows recorded by now; they stay what they are while the run goes on.
+// Views of the rows recorded so far; they stay unchanged while the run continues.
 using Columns = py::typing::Dict<py::str, py::array_t<double>>;
 
 Columns columns_of(const SlottedLoop& self) {

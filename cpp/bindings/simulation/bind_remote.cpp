@@ -64,7 +64,7 @@ MessageSocket make_socket(int descriptor, const py::object& limits) {
   return MessageSocket(descriptor, limits.cast<MessageSocket::Limits>(), &handle_signals);
 }
 
-// What objects with a buffer hold; `buffers` keeps it there.
+// The content of objects with a buffer; `buffers` keeps it alive.
 std::vector<std::string_view> bytes_of(const py::object& parts,
                                        std::vector<py::buffer_info>& buffers) {
   std::vector<std::string_view> bytes;

@@ -46,10 +46,11 @@ std::shared_ptr<Step> new_step(const std::optional<Frame>& frame, bool had_frame
   return step;
 }
 
-using FrameOfStep = std::pair<bool, std::optional<Frame>>;  // one had come, what is left of it
+using FrameOfStep =
+    std::pair<bool, std::optional<Frame>>;  // whether one had come, the frame if it still exists
 // The frame is drawn for a copy, if it still can be.
 FrameOfStep frame_of(const Step& self) {
-  auto& step = const_cast<Step&>(self);  // it is made when somebody looks
+  auto& step = const_cast<Step&>(self);  // it is made on first use
   if (!step.can_look() || step.given >= Given::blobs) return {step.has_frame, std::nullopt};
   const Frame* frame = step.look();
   return {step.has_frame, frame ? std::optional(*frame) : std::nullopt};

@@ -188,8 +188,8 @@ class _View:
 
 _LIKE = 0.5  # correlation from which the robot is there
 _LEAD = 0.25  # of the correlation with exchanged channels
-_VISIBLE = 0.8  # fraction of the robot that must lie within the frame
-_AROUND_MARKER = 1.4  # of a marker's size, because its colour spreads.
+_VISIBLE = 0.8  # fraction of the robot that must lie within the frame.
+_AROUND_MARKER = 1.4  # of a marker's size, because its colour spreads
 _OPAQUE = 250  # alpha
 
 
