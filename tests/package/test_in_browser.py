@@ -1,4 +1,4 @@
-"""A Python like that of a browser (Pyodide): without tornado and without threads."""
+"""A Python as in a browser (Pyodide), without tornado and without threads."""
 
 import subprocess
 import sys

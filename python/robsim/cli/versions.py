@@ -18,7 +18,8 @@ def facts() -> Iterator[str]:
     implementation = platform.python_implementation()
     yield f"{implementation} {platform.python_version()} on {platform.platform()}"
     blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
-    yield f"vector instructions: {cpu_path()}; BLAS of numpy: {blas['name']} {blas['version']}"
+    yield f"vector instructions: {cpu_path()}"
+    yield f"BLAS of numpy: {blas['name']} {blas['version']}"
     yield f"packages: {', '.join(_packages())}"
     cameras = find_cameras()
     yield from (f"camera: {sentence}" for sentence in cameras.found)
