@@ -95,10 +95,9 @@ class Scenario(Options):
     Notes
     -----
     ``motor_delay = n + f`` has a whole part n and a fraction 0 <= f < 1. Two inputs then act from
-    step k to step k + 1.
-    Their mean is (1 - f) u(k - n) + f u(k - n - 1); inputs before step 0 are 0. The mean is exact
-    for a constant input, and for quantities that depend only on the mean input. It neglects that an
-    input in the second part of a step has less time to move the robot.
+    step k to step k + 1. Their mean is (1 - f) u(k - n) + f u(k - n - 1); inputs before step 0 are
+    0. The mean is exact for a constant input, and for quantities that depend only on the mean
+    input. It neglects that an input in the second part of a step has less time to move the robot.
 
     The latency of a live loop, from the exposure of a frame until its input acts, is one delay.
     Live frames are numbered and timed by their exposure, so the complete latency, camera, vision,
