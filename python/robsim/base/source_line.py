@@ -104,7 +104,7 @@ def inner_of(function: Any) -> Any:
 
 
 def line_of_callable(function: Any) -> SourceLine | None:
-    """Return where a function, method or callable object is defined; None if it is compiled."""
+    """Return the place where a function, method or callable object is defined; None: compiled."""
     function = inner_of(function)
     if isinstance(function, type):
         function = inspect.getattr_static(function, "__init__")

@@ -40,7 +40,7 @@ def calibrate(
 
     The correct solutions in solutions/ are run until their limits are known: an equally good
     solution hardly ever misses these, for any distribution of the scores. Then the wrong ones are
-    run. The output shows in how many tests each gets less than full points.
+    run. The output shows the number of tests in which each gets less than full points.
     Calibration takes some minutes. After Ctrl-C, the same command continues. Then robsim grade
     --regrade applies the new limits to results with provisional limits.
 
@@ -104,7 +104,7 @@ def new(
     exact limits. README.md describes the files.
 
     For a notebook the folder gets a key, a sheet and the notebook. Each exercise has a public and a
-    hidden test. There is nothing to calibrate.
+    hidden test. It needs no calibration.
 
     TEMPLATE: The task, or the notebook, for students.
     FOLDER: The folder; created.

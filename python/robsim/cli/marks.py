@@ -44,7 +44,7 @@ def graded_alone(
 def graded_class(
     assignment: Assignment, submissions: Path, out: Path, *, is_quiet: bool, **options: Any
 ) -> ClassResult:
-    """Grade a class, and print a line for each submission as it is done."""
+    """Grade a class, and print a line for each finished submission."""
     tell = None if is_quiet else _tell
     with _kept_in(out):
         return grade_class(assignment, submissions, out, on_result=tell, **options)

@@ -37,7 +37,7 @@ def finish(
 ) -> None:
     """Write the results and videos of a run, and print a summary.
 
-    `more` are other reports of it, by name; `scale` is the length of a px (mm).
+    `more` are other reports of the run, by name; `scale` is the length of a px (mm).
     """
     from robsim.cli.results import write_results
     from robsim.cli.shared import earlier_run

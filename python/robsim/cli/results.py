@@ -26,7 +26,7 @@ _FIGURES = ("camera.jpg", "traces.png", "parameters.png", "batch.png")
 
 @dataclass(frozen=True, kw_only=True)
 class Results:
-    """The results of a run, with other reports of it by name, and the files written."""
+    """The results of a run, with further reports by name, and the written files."""
 
     report: BatchEstimate | None  # if parameters were estimated
     tracking: Report | None  # if the robot was tracked

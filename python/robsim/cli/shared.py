@@ -143,7 +143,7 @@ def check_unit(
 
 
 def engine_of(jobs: int | None) -> int | None:
-    """Return the executor of a number of processes; None = as many as there are cores."""
+    """Return the executor of a number of processes; None = the number of cores."""
     if jobs is None:
         from robsim.campaigns.engines.engine import processors
 

@@ -116,7 +116,7 @@ class CalledMotors:
 
     @property
     def can_halt(self) -> bool:
-        """Whether there is an input that stops the robot."""
+        """Whether an input that stops the robot is set."""
         return self._stop_input is not None
 
     @property

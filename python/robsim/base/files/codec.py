@@ -54,7 +54,7 @@ def read_table(
     most: int = MOST_TOML,
     parse: Callable[[str, int], Any] = parse_toml,
 ) -> Any:
-    """Return the result of `read` for the table of a text of at most so many bytes.
+    """Return the result of `read` for the table of a text with a limited number of bytes.
 
     A ValueError names the source, the line of the key, table and key.
     """
@@ -117,12 +117,12 @@ def plain(value: Any) -> Any:
 
 
 def anything(name: str, value: Any) -> Any:
-    """Return what came: its owner checks it."""
+    """Return a value unchecked: its owner checks it."""
     return value
 
 
 def together(**values: Any) -> dict[str, Any]:
-    """Return the values of a table as they are."""
+    """Return the values of a table unchanged."""
     return values
 
 
@@ -221,7 +221,7 @@ def table_of(written: Mapping[str, Any], said: str = "") -> Any:
 
 
 def item(value: Any, unit: str = "") -> Any:
-    """Return a value as it is written, with a comment; bytes are base64."""
+    """Return a value as text for a file, with a comment; bytes are base64."""
     import tomlkit
 
     if isinstance(value, bytes):
@@ -233,7 +233,7 @@ def item(value: Any, unit: str = "") -> Any:
 
 
 def rows(array: Any) -> Any:
-    """Return an array as it is written, a row a line."""
+    """Return an array as text for a file, a row a line."""
     return item(plain(array)).multiline(True)
 
 
@@ -285,7 +285,7 @@ def listed(entry: Table) -> Entry:
 
 
 def kind_of(table: dict[str, Any], kinds: tuple[str, ...]) -> str:
-    """Take the key ``kind`` out of a table; where there is one kind alone, it may be missing."""
+    """Remove and return the key ``kind`` of a table; with only one kind it may be missing."""
     if "kind" not in table and len(kinds) > 1:
         raise ValueError(f"kind is missing; expected one of {', '.join(map(repr, kinds))}")
     return check_choice("kind", table.pop("kind", kinds[0]), kinds)
@@ -295,7 +295,7 @@ def kind_of(table: dict[str, Any], kinds: tuple[str, ...]) -> str:
 
 
 def in_words(value: Any) -> str:
-    """Return what came, in the words of TOML."""
+    """Return a wrong value in the words of TOML."""
     if isinstance(value, (datetime.date, datetime.time)):
         return f"the time {value.isoformat()}"
     if isinstance(value, dict):

@@ -139,7 +139,7 @@ def as_text(report: Report) -> str:
 
 
 def as_line(report: Report, width: float = math.inf) -> str:
-    """Return the headline, and as many of the single numbers as there is room for."""
+    """Return the headline, and as many single numbers as fit."""
     line = one_line(report.headline)
     for quantity in report.quantities:
         longer = f"{line}, {one_line(quantity.line)}"

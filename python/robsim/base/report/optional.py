@@ -7,7 +7,7 @@ from typing import Any
 
 
 def import_optional(name: str, what: str) -> Any:
-    """Return a module; an ImportError names `what` needs it (with a verb), and the pip package."""
+    """Return a module; an ImportError names its user `what` (with a verb), and the pip package."""
     try:
         return importlib.import_module(name)
     except ImportError as error:

@@ -35,7 +35,7 @@ class Problem:
 
     @property
     def where(self) -> str:
-        """Step, situation and line, as far as they are known."""
+        """Known step, situation and line."""
         step = "" if self.k is None else f"step {self.k}"
         when = ", ".join(part for part in (step, self.situation) if part)
         return "; ".join(part for part in (when, str(self.line or "")) if part)

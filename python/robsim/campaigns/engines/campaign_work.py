@@ -56,14 +56,14 @@ def check_can_be_sent(spec: CampaignSpec) -> None:
 
 
 def size_for(seconds: float) -> int:
-    """Return how many runs of a duration (s) make a chunk."""
+    """Return the number of runs of a duration (s) in a chunk."""
     return min(max(int(SECONDS / max(seconds, 1e-9)), 1), _MOST)
 
 
 class Chunks:
     """The remaining runs, in their order: case and number of each.
 
-    So many of them stay `together`.
+    This number of runs stays `together`.
     """
 
     def __init__(self, jobs: Iterable[Job], together: int = 1) -> None:

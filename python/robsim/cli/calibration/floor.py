@@ -46,7 +46,7 @@ def floor(
     --positions. Six or more, with a lens five, are checked against each other. The exit status is 1
     if the result is bad.
 
-    PICTURES: Pictures of the floor, folders of them, or videos; the camera stands still.
+    PICTURES: Pictures of the floor, folders of pictures, or videos; the camera stands still.
     --area WxH: Size of the work area in px.
     --scale MM: A px of the work area in mm on the floor.
     --marker-height LENGTH: Height of the robot's markers above the floor, such as 80mm; needs a

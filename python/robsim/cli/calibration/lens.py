@@ -40,7 +40,7 @@ def lens(
     ChArUco board reveals mirrored pictures, a chessboard does not. The exit status is 1 if the
     result is bad.
 
-    PICTURES: Pictures, folders of them, or videos.
+    PICTURES: Pictures, folders of pictures, or videos.
     --charuco: The board is a ChArUco board.
     --camera SOURCE: Take the pictures from a live camera: its number or its address.
     --count N: Number of pictures to take with --camera.

@@ -105,7 +105,7 @@ _PATIENCE = 10.0  # s without a frame, if nothing is driven
 
 
 def step_of_model(folder: Path | None) -> float | None:
-    """Return the dt of the model of a folder's define_model.py (s), if there is one."""
+    """Return the dt of the model of a folder's define_model.py (s), if it exists."""
     if folder is None or not (folder / "define_model.py").is_file():
         return None
     define_model = CallbackFolder(folder, ("define_model",)).load().get("define_model")

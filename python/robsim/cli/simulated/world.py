@@ -82,7 +82,7 @@ def _checked(name: str, value: Any) -> Any:
 
 
 def simulation_of(folder: Path | None, options: dict[str, Any]) -> Simulation:
-    """Return the simulation, with the callbacks of a folder if there is one."""
+    """Return the simulation, with the callbacks of a folder if it is given."""
     from robsim.simulation import Simulation
 
     return Simulation(**options) if folder is None else Simulation.from_folder(folder, **options)

@@ -25,7 +25,7 @@ _SHARPEST_CURVE = math.radians(30)  # at a corner of a polygon that stands for a
 
 
 class MarkerView:
-    """The pixels of a marker in a frame, and how much of each it covers."""
+    """The pixels of a marker in a frame, with the covered share of each."""
 
     def __init__(self, frame: Frame, pose: Floats, polygon: Floats) -> None:
         self._plane_map, self._pose = frame.plane_map, pose

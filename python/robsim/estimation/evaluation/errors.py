@@ -415,7 +415,7 @@ def usual_limits(values: Floats, unit: str = "px") -> tuple[float, float]:
 
 
 def number_of_bins(n: int) -> int:
-    """Return how many bins the histogram of n values has within its `usual_limits`."""
+    """Return the number of bins for the histogram of n values within its `usual_limits`."""
     # Rice's rule, 2 n^(1/3), over the 10/13 of the range with values. An odd number, so that one
     # bin is centred in the middle.
     return 2 * int(np.clip(1.3 * n ** (1 / 3), 5, 26)) + 1

@@ -47,7 +47,7 @@ def _count(squares: Floats) -> int:
 
 
 def reasons(few: Bools, seen: Bools, bounced: Bools, k: NDArray[np.int64]) -> list[str]:
-    """Return how many of some steps (M, N) have which reason; others by their numbers `k` (N,)."""
+    """Return the number of steps (M, N) for each reason; others by their numbers `k` (N,)."""
     ways = {
         "before the robot was first seen": ~np.logical_or.accumulate(seen, axis=1),
         "while it was not seen": ~seen,

@@ -203,7 +203,7 @@ class BatchEstimate(Report):
 
     @property
     def identifiability(self) -> Identifiability:
-        """How well the run determines each parameter.
+        """The identifiability of each parameter in this run.
 
         For true poses, which have no noise, sigma is assumed; otherwise it comes from the
         residuals.

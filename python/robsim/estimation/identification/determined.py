@@ -1,4 +1,4 @@
-"""How well a run determines each parameter: standard errors relative to the parameter."""
+"""Identifiability of each parameter in a run: standard errors relative to the parameter."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _VERDICTS = ("well", "poorly", "not excited")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Identifiability(Report):
-    """How well the samples so far determine each parameter.
+    """The identifiability of each parameter from the samples so far.
 
     Attributes
     ----------
@@ -195,7 +195,7 @@ def judge(
     unit: str = "px",
     px_length: float = 1.0,
 ) -> Identifiability:
-    """Return how well parameters theta (3, 5) are determined, from their unscaled standard errors.
+    """Return the identifiability of parameters theta (3, 5) from their unscaled standard errors.
 
     Unscaled errors (3, 5), of noise 1, are the roots of the diagonal of (phi' phi)^-1. `sigma` (3,)
     is the equation noise (`unit`, `unit`, rad), by default `ASSUMED_SIGMA`, estimated with
@@ -226,7 +226,7 @@ def judge(
 def identifiability(
     trace: Trace, *, k: int | None = None, sigma: ArrayLike | None = None
 ) -> Identifiability:
-    """Return how well the samples up to a step determine each parameter of the online estimate.
+    """Return the identifiability of the online estimate's parameters from the samples up to a step.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ def limit_panel(
 
 
 def draw_histogram(axes: Axes, errors: Floats, unit: str, *, color: str = style.MEASURED) -> None:
-    """Draw a histogram beside the errors' panel, with the normal of the same mean and sigma."""
+    """Draw a histogram next to the errors' panel, with the normal of the same mean and sigma."""
     axes.tick_params(labelleft=False)
     axes.xaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
     if not len(errors):

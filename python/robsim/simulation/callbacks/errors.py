@@ -94,7 +94,7 @@ def callback_of(error: BaseException) -> FailedCallback | None:
 
 
 def failed(error: BaseException, slot: str, what: str, k: int, function: object) -> None:
-    """Note on an exception that the callback, `what`, raised it at step k; -1 = at the start."""
+    """Note on an exception that the callback `what` raised it at step k; -1 = at the start."""
     inner = callback_of(error)  # of a simulation inside the callback, which comes first
     source = (
         None

@@ -38,7 +38,7 @@ def name_of(function: Callable[..., object]) -> str:
 
 
 def forgets_self(function: Callable[..., object], count: int) -> bool:
-    """Return whether a method would take so many arguments if it did not get its object."""
+    """Return whether a method without its object would take this number of arguments."""
     plain = getattr(function, "__func__", None)
     if plain is None and not hasattr(function, "__code__"):
         plain = inspect.getattr_static(type(function), "__call__", None)

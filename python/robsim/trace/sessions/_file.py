@@ -133,13 +133,13 @@ class _Records:
         return self._window[first : first + size]
 
     def text(self, start: int, size: int) -> ReadDataStream:
-        """Return a record that is read whole; ValueError if it is too long."""
+        """Return a record, read as a whole; ValueError if it is too long."""
         if size > _MOST_TEXT:
             raise ValueError(f"a record at byte {start} must have at most {_MOST_TEXT} bytes")
         return _stream(self.at(start, size))
 
     def whole(self, start: int, end: int) -> Iterator[tuple[int, int, int]]:
-        """Give opcode, place and size of the content of each record, as long as it is whole."""
+        """Give opcode, place and size of the content of each complete record."""
         while start + _RECORD.size <= end:
             opcode, size = _RECORD.unpack(self.at(start, _RECORD.size))
             start += _RECORD.size
@@ -156,7 +156,7 @@ class _Records:
                 return
 
     def chunk(self, start: int, size: int) -> tuple[int, int, int]:
-        """Return place, size and checksum of a chunk's records; ValueError if it is packed."""
+        """Return place, size and checksum of a chunk's records; ValueError if it is compressed."""
         if len(head := self.at(start, _CHUNK.size)) == _CHUNK.size:
             inside, checksum, packed, length = _CHUNK.unpack(head)
             if 0 < packed < 32:

@@ -93,7 +93,7 @@ def load_opencv(purpose: str) -> Any:
 
 @contextmanager
 def quiet(cv2: Any) -> Iterator[None]:
-    """Let OpenCV log nothing inside the context; what else prints is not touched."""
+    """Silence OpenCV's log inside the context; other output is not affected."""
     global _n_quiet, _level_before
     logging = getattr(cv2.utils, "logging", cv2)  # 4.8 has it in cv2 itself
     with _lock:

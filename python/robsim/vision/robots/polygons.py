@@ -48,7 +48,7 @@ def fitted(polygon: Floats, area: float, centroid: Floats) -> Floats:
 
 
 def contains(polygon: Floats, points: Floats) -> NDArray[np.bool_]:
-    """Return which of the points (M, 2) lie inside: a ray to the right crosses the sides oddly."""
+    """Return which points (M, 2) lie inside: a ray to the right crosses an odd number of sides."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     x, y = points[:, :1], points[:, 1:]
     crosses = (a[:, 1] > y) != (b[:, 1] > y)
@@ -157,7 +157,7 @@ def mask(polygon: Floats, width: int, height: int) -> NDArray[np.bool_]:
 def inner_box(polygon: Floats, width: int, height: int) -> tuple[int, int, int, int] | None:
     """Return (left, top, right, bottom) within a polygon of an image (px); None if it sticks out.
 
-    It is 70 % as wide as a square of that area, so that it lies inside a round marker, too.
+    It is 70 % as wide as a square of the same area, so that it lies inside a round marker, too.
     """
     left, top, right, bottom = square_within(*area_and_centroid(polygon))
     is_inside = mask(polygon, width, height)[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
