@@ -14,7 +14,7 @@ from robsim.cli import errors
 from robsim.cli.command import command, command_group
 from robsim.cli.shared import AllJobs, Json, engine_of
 
-Folder = Annotated[Path, "FOLDER: The assignment, as robsim assignment new makes it."]
+Folder = Annotated[Path, "FOLDER: The assignment, from robsim assignment new."]
 
 
 @contextmanager
@@ -172,7 +172,7 @@ def pack(
     --students ZIP|FOLDER: Write the students' files: a zip, or a folder.
     --gradescope ZIP: Write an autograder for Gradescope.
     --install WHEEL|NAME: With --gradescope: a wheel of robsim to install there, or a requirement
-        for pip such as robsim==1.2. Default: this version, from pip's usual index.
+        for pip such as robsim==1.2. Default: this version, as found by pip.
 
     Example: robsim assignment pack hw1 --students hw1-students.zip
     """

@@ -48,7 +48,7 @@ def floor(
 
     PICTURES: Pictures of the floor, folders of pictures, or videos; the camera stands still.
     --area WxH: Size of the work area in px.
-    --scale MM: A px of the work area in mm on the floor.
+    --scale MM: Length of a px of the work area on the floor in mm.
     --marker-height LENGTH: Height of the robot's markers above the floor, such as 80mm; needs a
         lens.
     --calibration FILE: The lens calibration from robsim calibrate lens. Default: no lens

@@ -71,7 +71,7 @@ def live(
     --max-voltage V: Largest voltage of a motor in V.
     --slew-rate V/S: Largest change of a voltage in V/s.
     --fps RATE: Frames per second: set in a camera with a number, on FireWire or on GigE. Other
-        addresses need their real rate here; a folder is played at that rate.
+        addresses report no rate: give the real one. A folder is played at that rate.
     --every N: Use only each n-th frame. Default: all, or as many as a step of define_model.py has.
     --dt SECONDS: 1 / RATE, instead of --fps, in s.
     --frame-timeout SECONDS: The robot is stopped after this time without a fresh frame. Default:
