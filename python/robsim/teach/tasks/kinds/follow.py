@@ -53,7 +53,7 @@ class FollowTask(DrivingTask):
         ),
         Score(
             name="left",
-            title="waypoints that are not reached",
+            title="missed waypoints",
             unit="%",
             share=0.2,
             floor=5.0,
