@@ -153,7 +153,7 @@ def test_all_faults_of_the_table_are_told_before_anything_is_written(graded_clas
         assert part in told
     for text, part in {
         "student,coment\n": "'coment'; did you mean 'comment'?",
-        "late_days,late_days\n": "no column student; two columns are named late_days",
+        "late_days,late_days\n": "the column student is missing; duplicate column late_days",
         "student,comment\ns001,well, but late\n": "quotes",
     }.items():
         assert part in wrong(out, text, grade, regrade)

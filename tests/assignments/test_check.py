@@ -91,14 +91,14 @@ def test_the_notebook_of_the_class_has_a_solution_in_its_coding(folder, coding, 
 
 @pytest.mark.long
 def test_what_is_as_it_should_be_is_well(folder, cast):
-    cast("as a notebook", "naive", "nothing in it", "exit")
+    cast("as a notebook", "naive", "empty submission", "exit")
     write_limits(folder, {})
     report = check_assignment(folder, progress=False)
     assert {one.kind for one in report.problems} == NOT_CALIBRATED
     verdicts = {title: row["verdict"] for title, row in report.tables[0].records()}
     assert verdicts.pop("wrong: naive") == "more than half"  # by these wide limits
-    assert {title for title, verdict in verdicts.items() if verdict != "well"} == NOT_CALIBRATED
-    cast_of_it = {"right: reference, as a notebook", "nothing in it"}
+    assert {title for title, verdict in verdicts.items() if verdict != "passed"} == NOT_CALIBRATED
+    cast_of_it = {"right: reference, as a notebook", "empty submission"}
     assert cast_of_it | {"hostile: exit", "key"} <= set(verdicts)
 
 
@@ -164,8 +164,8 @@ def test_what_is_still_is_looked_at_before_anything_is_run(folder, cast):
 def test_the_command_exits_with_what_was_found(folder, cast):
     run = command("assignment", "check", str(folder))
     assert run.exit_code == 2  # it has no limits
-    cast("nothing in it")
+    cast("empty submission")
     write_limits(folder, {})
     run = command("assignment", "check", str(folder), "--json")
     assert run.exit_code == 1, run.stderr
-    assert json.loads(run.stdout)["checks"]["nothing in it"]["verdict"] == "well"
+    assert json.loads(run.stdout)["checks"]["empty submission"]["verdict"] == "passed"

@@ -30,7 +30,12 @@ def test_it_is_fit_to_grade_by(hw2):
     assert report, report
     got = {title: row["got"] for title, row in report.tables[0].records()}
     assert got["right: the notebook with its answers"] == "9 of 9"
-    nothing = ("the notebook as students get it", "nothing in it", "hostile: exit", "hostile: hang")
+    nothing = (
+        "the notebook as students get it",
+        "empty submission",
+        "hostile: exit",
+        "hostile: hang",
+    )
     assert {got[title] for title in nothing} == {"0 of 9"}
 
 

@@ -16,7 +16,7 @@ KEY = Key(bytes(range(32)))
 NAMES = st.text(max_size=8)
 
 # There it says of each file that nobody has looked who can read it.
-pytestmark = pytest.mark.filterwarnings("ignore:who can read the key:UserWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:the readers of the key:UserWarning")
 
 
 def test_what_follows_from_a_key_never_changes():

@@ -32,7 +32,7 @@ WAITS = "channel.sendall(b'x'); import time; time.sleep(600)"
 KILLED = {
     "submission": r"(\w+ )?at (the start|step \d+): its process was ended by signal SIGKILL",
     "grader": "the worker was lost: the process that starts workers was killed"
-    "|a worker was killed 5 times while it was started",
+    "|a worker was killed 5 times during its start",
 }
 
 

@@ -79,9 +79,9 @@ return Ends()
         "says on the wire that there are 2**62 numbers",
         says="longer than its message",
     )("body[6:14] = struct.pack('<Q', 2**62)"),
-    result(
-        "four billion arrays", "says on the wire that there are as many", says="missing heads"
-    )("body[:4] = struct.pack('<I', 2**32 - 1)"),
+    result("four billion arrays", "says on the wire that there are as many", says="missing heads")(
+        "body[:4] = struct.pack('<I', 2**32 - 1)"
+    ),
     result(
         "a kind that there is not",
         "says on the wire that there are objects",

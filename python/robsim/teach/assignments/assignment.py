@@ -18,7 +18,7 @@ from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.score import ScoreLimit
 from robsim.teach.tasks.solutions import MODULE, Solution, module_source
 
-#: The key of public tests, the same for all: students have it, too.
+#: Whether hidden tests have seeds per student; public tests are the same for all.
 SEEDS = ("student", "class")
 #: The attributes that restrict a submission, see `robsim.teach.Submission`.
 RULES = ("slots", "functions", "imports", "masked", "defaults")

@@ -81,7 +81,7 @@ def check_assignment(
     with tempfile.TemporaryDirectory(prefix="robsim-check-") as scratch:
         findings += _rehearsed(plan, Path(scratch), engine, progress)
     rows = [
-        Row(one.what, [one.expected, one.got, "WRONG" if one.wrong else one.note or "well"])
+        Row(one.what, [one.expected, one.got, "FAILED" if one.wrong else one.note or "passed"])
         for one in findings
     ]
     columns = [Column("expected", "should be"), Column("got", "is"), Column("verdict", "")]
@@ -89,7 +89,7 @@ def check_assignment(
         name=assignment.name,
         problems=tuple(Problem(kind=f.what, sentence=f.wrong) for f in findings if f.wrong),
         remarks=tuple(dict.fromkeys(t.provisional for t in assignment.tests if t.provisional)),
-        tables=(Table(key="checks", columns=columns, rows=rows, row_title="what"),),
+        tables=(Table(key="checks", columns=columns, rows=rows, row_title="check"),),
     )
 
 

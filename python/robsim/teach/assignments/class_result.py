@@ -73,7 +73,7 @@ class ClassResult(Report):
                 "same call tries again"
             )
         if unread := [one for one in self.results if one.is_unread]:
-            yield f"unreadable, so without points, as their pages explain: {_listed(unread)}"
+            yield f"without points, because unreadable (see their pages): {_listed(unread)}"
         if left := [one for one in self.results if not one.is_done and not one.has_errors]:
             why = dict.fromkeys(test.sentence for one in left for test in waiting(one))
             yield f"some tests were not run: {_listed(left)}. {' '.join(why)}"

@@ -117,7 +117,7 @@ def cast_of(assignment: Assignment) -> list[Part]:
             parts.append(Part("right: the notebook with its answers", right, FULL, own_tests))
             parts.append(Part("the notebook as students get it", begun, NOTHING, own_tests))
     tests += own_tests
-    parts.append(Part("nothing in it", {"notes.txt": b"to do\n"}, NOTHING, tests))
+    parts.append(Part("empty submission", {"notes.txt": b"to do\n"}, NOTHING, tests))
     hostile = hostile_submissions(assignment.slots or assignment.functions)
     parts += (Part(f"hostile: {name}", files, NOTHING, tests) for name, files in hostile)
     return parts

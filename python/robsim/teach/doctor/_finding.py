@@ -22,7 +22,7 @@ def first_finding(
         if slot in names(half=ROBOT) and callable(make().get(slot)):
             problems = check_slot(slot, make, around.setting).problems
             first = next(iter(around.with_allowed(problems)), None)
-            if first is not None and first.kind != NOT_HERE:  # its runs tell that
+            if first is not None and first.kind != NOT_HERE:  # reported by its runs
                 places = [text for text in (first.where, first.code) if text]
                 return "\n".join([f"{slot}: {first.sentence}", *places])
     return ""

@@ -66,7 +66,7 @@ def finite_numbers(
 
 
 def in_time(function: Callable[..., Any], *given: Any) -> Any:
-    """Call a function; raise TimeoutError if that takes too long."""
+    """Call a function; raise TimeoutError if it takes too long."""
     limit = TimeLimit(TIME_LIMIT)
     with limit.watching():
         return limit.limited(function)(*given)
@@ -162,7 +162,7 @@ class CallClock:
 
 
 def _clocks() -> tuple[float, float, float]:
-    """Return the time (s), and what this thread and this process have used of the processor."""
+    """Return the time, and the processor time of this thread and of this process (s)."""
     return time.perf_counter(), time.thread_time(), time.process_time()
 
 

@@ -261,7 +261,7 @@ def _is_named(node: ast.AST) -> bool:
 
 
 def _unsymmetric(trials: Trials, codes: dict[tuple[str, int], CodeType]) -> set[tuple[str, int]]:
-    """Return the places at which the factor is not symmetric when a trial comes by."""
+    """Return the places of factors that are not symmetric during a trial."""
     found = set()
     files = {file for file, _ in codes}
 

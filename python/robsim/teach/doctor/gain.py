@@ -49,7 +49,7 @@ class Gains:
 
     @cached_property
     def in_time(self) -> Floats:
-        """The response (N, 3) from the step on in which all measurements are displaced."""
+        """The response (N, 3) from the first displaced measurement on."""
         return self._changes(self._trials.seen, DISPLACED_AT, self._trials.displaced)
 
     @property

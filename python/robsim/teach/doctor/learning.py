@@ -59,7 +59,7 @@ class Influence:
 
     @cached_property
     def memory(self) -> int | None:
-        """The number of samples after which one is forgotten; None = longer than the watch."""
+        """The number of samples after which one is forgotten; None = longer than the test."""
         changed = self._changed(self._displaced(0)).any(axis=1)
         if not changed.any():
             return 0
@@ -101,7 +101,7 @@ class Influence:
         return np.asarray(differs.reshape(-1, 3, 5).any(axis=2))
 
 
-# P grows by 1 / lambda at each sample that brings nothing new. Beyond 1e15 times its size a double
+# P grows by 1 / lambda at each sample without new information. Beyond 1e15 times its size a double
 # has no digit left of the earlier knowledge.
 MAXIMUM_GROWTH = 1e15
 
@@ -266,7 +266,7 @@ def _from_values(learning: Learning, influence: Influence) -> Iterator[tuple[str
 
 
 def _is_standing(learning: Learning) -> bool:
-    """Return whether they are (1, 0, 0, 0, 0): the y that they fit is x(k-1), which is in phi."""
+    """Return whether they are (1, 0, 0, 0, 0): then the fitted y is x(k-1), a part of phi."""
     ahead = np.eye(5)[0]
     off = np.sum(learning.phi * (learning.before - ahead), axis=2)
     displacement = np.sum(learning.phi * (_GOES_ON - ahead), axis=2)

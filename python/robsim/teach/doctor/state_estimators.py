@@ -89,8 +89,8 @@ def check_estimator(
 
     Returns
     -------
+    CheckReport
         True if all checks pass. In a test, call its ``raise_for_problems()``, which lists every
-        problem.
         problem.
 
     Raises

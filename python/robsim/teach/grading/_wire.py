@@ -45,7 +45,7 @@ class WireError(Exception):
 
 
 class Channel:
-    """One end of the connection. Each side speaks in turn, so there is one message at a time.
+    """One end of the connection. The two sides alternate, with one message at a time.
 
     The limits have the most bytes of each kind, and other kinds are refused. Without limits the
     other side is trusted.

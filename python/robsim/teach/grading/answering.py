@@ -44,7 +44,7 @@ def serving(
     channel = Channel(connection)
     kind, body = channel.receive()
     if kind != Kind.HELLO:
-        raise RuntimeError("the grader must say hello")
+        raise RuntimeError("the grader's first message must be HELLO")
     setup = pickle.loads(body)
     try:
         yield channel, setup

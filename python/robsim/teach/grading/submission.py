@@ -177,7 +177,7 @@ class Submission:
         number: int = 0,
         **callbacks: Any,
     ) -> Trace:
-        """Run it once.
+        """Run the submission once.
 
         Parameters
         ----------
@@ -333,7 +333,7 @@ class Submission:
         progress: bool = False,
         callbacks: Mapping[str, Any] | None = None,
     ) -> CampaignResult:
-        """Run it many times.
+        """Run the submission many times.
 
         Parameters
         ----------
@@ -405,7 +405,7 @@ class Submission:
         check_names("the robot half has no slot", callbacks, ROBOT_SLOTS, TypeError)
         for slot, callback in callbacks.items():
             if slot in self._task.rules.slots:
-                raise ValueError(f"{slot} is for the submission to fill: leave it out of slots")
+                raise ValueError(f"{slot} belongs to the submission: remove it from slots")
             check_callback(slot, callback)
         return dataclasses.replace(self._task.only(slots), callbacks=dict(callbacks))
 

@@ -42,7 +42,7 @@ _KEYWORDS = frozenset(keyword.kwlist)
 def tokens_of(source: str) -> Iterator[tuple[str, int, bool]]:
     """Yield the kind of each token, its first line, from 1, and whether it starts that line.
 
-    All names are the same kind, except names from modules and other values, such as ``inv`` in
+    All names are equal, except attributes of other modules and values, such as ``inv`` in
     ``np.linalg.inv``; so are numbers and texts. Comments and imports are left out.
     """
     line, counted = 1, 0
@@ -127,7 +127,7 @@ def program_of(sources: Mapping[str, bytes]) -> Program:
 _LEAST_SHARE, _LEAST_RUNS = 0.45, 24  # these are some five lines
 _MOST_PAIRS, _MOST_PASSAGES, _MOST_LINES = 50, 3, 40
 _NEAR = 3  # lines between parts of one passage
-# Text of more programs than that, and than a quarter of them, is common.
+# Text is common if more programs than these, and more than a quarter of all, have it.
 _FEW_STUDENTS, _FEW_OTHERS = 10, 50
 
 

@@ -43,7 +43,7 @@ def most_of_archive(rules: Rules) -> int:
 def read_archive(content: bytes, intake: Intake) -> None:
     # Python reads the whole list of contents before it reports any entry.
     if content.count(_ENTRY) > _MOST_PER_FILE * intake.rules.files:
-        raise SubmissionError(f"{intake.whole} has too many files: hand in what counts")
+        raise SubmissionError(f"{intake.whole} has too many files: leave out unused ones")
     with _told(intake.whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
         for entry in archive.infolist():
             _take(archive, entry, _path_of(entry), intake)

@@ -40,7 +40,7 @@ class Intake:
         most = _MOST_LEFTOVERS * self.rules.files
         if self._entries > most:
             raise SubmissionError(
-                f"{self.whole} has more than {most} files and folders: hand in what counts"
+                f"{self.whole} has more than {most} files and folders: leave out unused ones"
             )
 
     def wants(self, path: str) -> bool:
@@ -72,7 +72,7 @@ class Intake:
             raise refusal_in(self.whole, counted, said)
         if len(self.files) >= self.rules.files:
             raise SubmissionError(
-                f"{self.whole} has more than {self.rules.files} files: hand in what counts"
+                f"{self.whole} has more than {self.rules.files} files: leave out unused ones"
             )
         self._paths.add(counted)
         self._size += len(content)
@@ -131,7 +131,7 @@ def read_folder(path: str, intake: Intake) -> None:
 def lone_zip(path: str, intake: Intake) -> str | None:
     """Return the name of a folder's only zip, if the folder has nothing else to grade.
 
-    Platforms pack an uploaded zip in this way. None = no zip, or several.
+    Platforms pack an uploaded zip in this way. None = no such zip.
     """
     with _told(intake.whole, intake.whole), _opened_folder(path) as folder:
         return lone_zip_of(_names(folder, intake), intake)

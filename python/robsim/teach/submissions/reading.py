@@ -146,7 +146,7 @@ def _opened(path: Path, rules: Rules) -> Contents:
 def _all_of(path: Path, name: str, most: int) -> bytes:
     content = read_file(str(path), name, most + 1)
     if len(content) > most:
-        remedy = "clear its outputs" if path.suffix.lower() == ".ipynb" else "hand in what counts"
+        remedy = "clear its outputs" if path.suffix.lower() == ".ipynb" else "make it smaller"
         raise refusal(name, f" has more than {size_text(most)}: {remedy}")
     return content
 

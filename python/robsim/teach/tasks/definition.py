@@ -290,9 +290,9 @@ def _common(task: Task) -> Iterator[str]:
     yield (
         f"Your code runs {task.runs} times for {task.steps} steps, and so does a reference in the "
         "same runs. A score is the ratio of your number to the reference's, as the geometric mean "
-        "over the runs: about as good as the reference gives all points. The smallest typical "
-        "mistake gives no points, but never below 1.5 times the limit of all points. A "
-        "run that ends with an error has no points."
+        "over the runs: about as good as the reference gives all points. A typical "
+        "mistake, even the smallest, gives no points; the limit for this is at least 1.5 times the "
+        "limit of all points. A run that ends with an error has no points."
     )
     if any(one.kind == "lost" for one in task.scores):
         yield (

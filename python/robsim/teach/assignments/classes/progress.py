@@ -172,7 +172,6 @@ class Schedule:
     So the duration of a submission is known, and at most one submission per worker is open.
     `tell` gets each finished result, and the reason of a repeated grading. Without `students`, all
     are graded; otherwise other students' results come from the folder.
-    `students` are those in the folder; None = all are graded.
     """
 
     plan: Plan

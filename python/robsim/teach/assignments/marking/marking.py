@@ -219,5 +219,5 @@ def _told(score: ScoreResult, runs: int) -> str:
         came_to = f"the reference has {score.statistic:.3g} times as many right ones"
     return (
         f"The {score.title} is too large: {came_to}. Up to {score.limit:.3g} times gives all "
-        f"points, from {score.zero:.3g} times on no points."
+        f"points, {score.zero:.3g} times or more gives no points."
     )

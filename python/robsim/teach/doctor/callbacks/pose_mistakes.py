@@ -90,7 +90,7 @@ def _positions(
 
 
 def _beside(true: Floats, ahead: float, right: float = 0.0) -> Floats:
-    """Return the points so far ahead and to the right of the robot."""
+    """Return the points at these distances (px) ahead and to the right of the robot."""
     c, s = np.cos(true[:, 2]), np.sin(true[:, 2])
     return np.column_stack((true[:, 0] + ahead * c - right * s, true[:, 1] + ahead * s + right * c))
 

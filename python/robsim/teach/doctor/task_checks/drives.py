@@ -67,8 +67,7 @@ def _undone() -> Iterator[tuple[str, str, str]]:
     yield (
         "motors exchanged",
         "left and right are exchanged: u1 is the left motor, and a faster left wheel turns the "
-        "robot to the right, to larger headings. With exchanged voltages it "
-        "reaches the goal",
+        "robot to the right, to larger headings. With exchanged voltages it reaches the goal",
         _EXCHANGED,
     )
     for (_, kind, sentence), heading in zip(MISTAKES, _HEADINGS, strict=True):
@@ -185,9 +184,9 @@ def _stops_short(drive: _Drive) -> Problem | None:
         return None
     return drive.problem(
         "stops short",
-        f"it stands still {drive.distances[-1]:.0f} px from the goal, which is not parked yet: "
-        f"parked is within {tolerance:g} px. Does it stop too early, or is friction stronger than "
-        "its small voltage?",
+        f"it stands still {drive.distances[-1]:.0f} px from the goal, too far to be parked: "
+        f"parked means within {tolerance:g} px. Does it stop too early, or is friction stronger "
+        "than its small voltage?",
         k=_last_move(drive.poses),
     )
 

@@ -90,12 +90,12 @@ def _short(trial: TaskTrial) -> Iterator[tuple[str, str]]:
         of = {
             "ratio": " times the reference",
             "consistency": "",
-            "lost": " times as many right ones has the reference",
+            "lost": " times as many right ones in the reference",
         }[score.kind]
         is_low = limit.low is not None and statistic < limit.low
         full = f"from {limit.low:.3g} on" if is_low else f"up to {limit.full:.3g}"
         share = percent(limit.fraction(statistic))
         yield (
             score.name,
-            f"{score.title}: {statistic:.3g}{of}, all points {full}: it has {share} of them",
+            f"{score.title}: {statistic:.3g}{of}, all points {full}; this gives {share} of them",
         )

@@ -59,7 +59,7 @@ def cells_of(content: bytes, file: str) -> list[Cell]:
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise refusal(file, " is not a notebook: it has no list of cells")
     if len(cells) > _MOST_CELLS:
-        raise refusal(file, f" has more than {_MOST_CELLS} cells: hand in what counts")
+        raise refusal(file, f" has more than {_MOST_CELLS} cells: delete unused ones")
     numbered = enumerate(cells, 1)
     return [_cell(cell, file, n) for n, cell in numbered if cell.get("cell_type") == "code"]
 
@@ -145,6 +145,6 @@ def parsed(cells: Sequence[Cell], file: str) -> Iterator[tuple[Cell, ast.stmt]]:
                 lines[at] = f"{command[1]}pass"
         count += len(tree.body)
         if count > _MOST_STATEMENTS:
-            said = f" has more than {_MOST_STATEMENTS} statements: hand in what counts"
+            said = f" has more than {_MOST_STATEMENTS} statements: delete unused ones"
             raise refusal(file, said)
         yield from ((cell, node) for node in tree.body)

@@ -50,7 +50,7 @@ class Notebook(NamedTuple):
     parts: list[Statement]  # run in this order, in one module
     #: The errors of names that only ``import *`` or a cell with the tag can define.
     unknown: dict[str, SubmissionError]
-    notes: tuple[str, ...]  # sentences on what counts
+    notes: tuple[str, ...]  # sentences on cells that count or do not
 
 
 def chosen(content: bytes, file: str, slots: tuple[str, ...]) -> Notebook:

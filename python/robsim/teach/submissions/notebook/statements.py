@@ -44,7 +44,7 @@ class Statement:
         self.fills = False  # a slot
         self.loops = any(isinstance(each, ast.While) for each in top)
         self.awaits = bool(self.code.co_flags & CO_COROUTINE)
-        #: Global names with a new value, then also with a changed value, and names of functions.
+        #: Global names: with a new value, also with a changed value, set by inner functions.
         self.binds = _names(self.code, "STORE_NAME", "STORE_GLOBAL")
         self.touches = self.binds.union(map(_changed, top))
         self.sets = {name for code in codes[1:] for name in _names(code, "STORE_GLOBAL")}

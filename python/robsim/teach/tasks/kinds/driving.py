@@ -67,7 +67,7 @@ _ROUNDING = 1e-9  # V
 
 
 class DrivingTask(Task):
-    """To drive by measured poses, while the model is not exact.
+    """A drive by measured poses, with an inexact model.
 
     Not a dataclass: its options are fields of the tasks, after their own fields.
     """

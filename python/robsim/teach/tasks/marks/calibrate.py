@@ -64,6 +64,8 @@ def calibrate_task(
     Parameters
     ----------
     task : Task
+        The task.
+    solutions : iterable of Solution, optional
         Right solutions, first the reference, and at least one of another kind; and wrong
         solutions with ``naive`` among them. Default: robsim's own.
     false_fail : float

@@ -181,7 +181,7 @@ class TaskCalibration(Report):
         """The limits, and the marks of the solutions."""
         of_limits = [
             Column("full", "full points up to", ""),
-            Column("zero", "none from", ""),
+            Column("zero", "no points from", ""),
             Column("low", "full points down to", ""),
             Column("low_zero", "no points from there down", ""),
         ]
@@ -216,7 +216,7 @@ class TaskCalibration(Report):
             names = listed(quoted(one.name) for one in self.missed)
             remarks.append(
                 f"wrong, but fail in less than {percent(POWER, 0)} of the tests: {names}; use "
-                " more runs per test, or longer runs"
+                "more runs per test, or longer runs"
             )
         if self.near:
             remarks.append(

@@ -108,7 +108,7 @@ def bound_rank(n: int, exceeded: float, confidence: float) -> int:
 
     fewest = fewest_values(exceeded, confidence)
     if n < fewest:
-        raise ValueError(f"n must be at least {fewest} values, got {n}")
+        raise ValueError(f"n must be at least {fewest}, got {n}")
     rank = 1
     # bdtrc(r, n, p) = P(X >= r + 1)
     while bdtrc(rank, n, exceeded) >= confidence:
