@@ -199,6 +199,6 @@ def test_an_estimate_that_is_not_there(hurried):
 
 def test_a_controller_in_place_of_its_maker():
     (problem,) = check_controller(robsim.GoToPoint(1, 2)).problems
-    assert "controller already" in problem.sentence
+    assert "which is a controller" in problem.sentence
     with pytest.raises(TypeError, match="make"):
         check_controller(5)

@@ -144,7 +144,7 @@ BROKEN = [
     ),
     ("not seen yet", StartsWhenSeen, "None", "def __call__"),
     ("writes into step", cv(innovation=writes), "copy", "z -= self.x[:3]"),
-    ("remembers earlier run", ClassMemory, "run before", "def __call__"),
+    ("remembers earlier run", ClassMemory, "previous run", "def __call__"),
     ("shared memory", keeps_the_last_pose_outside, "global", "def estimate(step):"),
     (
         "not reproducible",
@@ -315,7 +315,7 @@ def stateless(step):
         (lambda: 3, "not callable", "returns 3"),
         (lambda: None, "not callable", "returns None"),
         (lambda: 1 / 0, "make fails", "ZeroDivisionError"),
-        (ConstantVelocity(), "make fails", "it is an estimator already"),
+        (ConstantVelocity(), "make fails", "which is an estimator"),
         (NeedsAModel, "make fails", "write lambda: NeedsAModel(...)"),
         (stateless, "make fails", "write lambda: stateless"),
         (lambda: lambda: 3, "exception", "takes 0 positional arguments"),

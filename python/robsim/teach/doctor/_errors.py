@@ -50,7 +50,7 @@ def _not_a_maker(estimator: EstimatorUnderTest) -> str:
         return f"{expected}: write lambda: {name}(...)"
     if inspect.isfunction(make):
         return f"{expected}: for the {noun} itself, write lambda: {name}"
-    return f"{expected}, already {with_article(noun)}; give its class, or lambda: {name}(...)"
+    return f"{expected}, which is {with_article(noun)}; give its class, or lambda: {name}(...)"
 
 
 def explained(error: BaseException) -> tuple[str, str]:
