@@ -84,6 +84,12 @@ def test_a_robot_that_was_not_seen_is_told_from_a_measure_that_fails(noisy):
             assert said in head["missed"]
 
 
+def test_a_measure_that_finds_nothing_is_told_while_the_run_goes_on():
+    with panel_of(robsim.Simulation(measure=lambda step: None, seed=1)) as (_, browser):
+        browser.press("step")
+        browser.take("frame", missed="your measure found no robot", past=False)
+
+
 @pytest.mark.long
 def test_who_looks_back_gets_rows_but_no_newest_frame_until_he_returns(noisy):
     simulation = robsim.Simulation(measure=True, seed=1)

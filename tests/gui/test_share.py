@@ -191,7 +191,7 @@ def test_a_run_that_is_too_large_for_a_page_goes_to_the_folder_of_the_user(tmp_p
         browser = FakeBrowser(panel._view)
         browser.say("share")
         head, _ = browser.take("note")
-    (file,) = (tmp_path / "runs").iterdir()
+    (file,) = (tmp_path / "shared").iterdir()
     assert str(file) in head["text"]
     with robsim.gui.replay(file) as again:
         assert len(again.trace) == 3

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import robsim
 import robsim.gui
 from browsers import FakeBrowser, PanelView, Watcher
 from small_runs import SOON, experiment, frames, simulation
@@ -16,13 +17,15 @@ pytestmark = pytest.mark.threads
 
 PAGE = Path(robsim.gui.__file__).with_name("ARCHITECTURE.md").read_text("utf-8")
 TABLE = PAGE.partition("| state | event | shown |")[2].partition("\n\n")[0]
+FAILING = "def control(step):\n    return 0, 1 // (step.k < 1)\n"
 ROWS = re.findall(r"^\| ([a-z].*?) \| (.*?) \| (.*?) \|$", TABLE, re.MULTILINE)
 
 
 class Case:
     """A panel in a state, and one who looks."""
 
-    def __init__(self, clock):
+    def __init__(self, clock, folder):
+        self.file = folder / "control.py"
         self.clock, self.may_go_on = clock, threading.Event()
         self.does = "drive"
 
@@ -33,9 +36,12 @@ class Case:
             pass
         return 0.1, 0.1
 
-    def bring(self, state, *, ends):
+    def bring(self, state, *, ends, has_file):
         """Bring a panel into a state; `ends`: its frames have an end."""
         runner = simulation(control=self.control)
+        if has_file:
+            self.file.write_text(FAILING)
+            runner = robsim.Simulation.from_folder(self.file.parent)
         if ends:
             runner = experiment(frames(3), control=lambda step: (0, 0))
         self.view = PanelView(runner, speed=1.0)
@@ -83,6 +89,8 @@ class Case:
             self.does = "fail"
         elif event == "30 s":
             self.clock.advance(self.view, 30)
+        elif event == "its file changes":
+            self.file.write_text(FAILING.replace("1 //", "1 +"))
         elif event == "close":
             self.close()
 
@@ -114,8 +122,8 @@ class Case:
 
 
 @pytest.fixture
-def case(clock):
-    case = Case(clock)
+def case(clock, tmp_path):
+    case = Case(clock, tmp_path)
     yield case
     case.may_go_on.set()
     case.view.close(SOON)
@@ -123,7 +131,7 @@ def case(clock):
 
 @pytest.mark.parametrize(("state", "event", "shown"), ROWS)
 def test_a_row_of_the_table(case, state, event, shown):
-    case.bring(state, ends="ended" in (state, shown))
+    case.bring(state, ends="ended" in (state, shown), has_file=event == "its file changes")
     case.do(event)
     case.until(lambda: case.is_shown(shown))
 

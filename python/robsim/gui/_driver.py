@@ -214,6 +214,10 @@ class Driver(Worker):
         """Pause, and return to the start. The future raises if that is impossible."""
         return self._command(self._reset, ends_call=True)
 
+    def forget(self, error: BaseException) -> Future[None]:
+        """Become paused if this error is still the newest: its cause is gone."""
+        return self.call(lambda: self._set("paused") if self._error is error else None)
+
     def stop_robot(self) -> Future[None]:
         """Stop the robot at once, in this thread, then pause; raises like `Experiment.stop_robot`.
 

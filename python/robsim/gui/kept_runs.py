@@ -1,4 +1,4 @@
-"""The newest runs, saved in the user's folder."""
+"""Runs in files of the user's folder: the newest ones, and all that were shared."""
 
 from __future__ import annotations
 
@@ -12,11 +12,17 @@ _MOST_RUNS = 10
 
 
 def keep(suffix: str, write: Callable[[Path], object]) -> Path:
-    """Write a file to the newest ones, and remove older ones; OSError if writing fails."""
-    folder = data_folder() / "runs"
+    """Write a file among the newest ones, and remove older ones; OSError if writing fails."""
+    file = save("runs", suffix, write)
+    for old in sorted(file.parent.iterdir())[:-_MOST_RUNS]:
+        old.unlink(missing_ok=True)
+    return file
+
+
+def save(name: str, suffix: str, write: Callable[[Path], object]) -> Path:
+    """Write a file to a folder of the user; OSError if writing fails."""
+    folder = data_folder() / name
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{datetime.now():%Y-%m-%d-%H%M%S-%f}{suffix}"
     write(file)
-    for old in sorted(folder.iterdir())[:-_MOST_RUNS]:
-        old.unlink(missing_ok=True)
     return file

@@ -74,6 +74,7 @@ class CallbackFolder:
         self._absolute = self.path.absolute()  # valid after a change of directory
         self._modules = FolderModules(self.path, self._absolute, {})
         self._unchanged: list[tuple[str, int, int, int]] | None = None
+        self._failed: dict[str, bytes] | None = None  # the sources of a load that has failed
 
     def load(self) -> Callbacks:
         """Read, compile and execute the files; if one fails, the previously loaded modules stay.
@@ -83,7 +84,7 @@ class CallbackFolder:
         FileNotFoundError or NotADirectoryError; missing callbacks raise ValueError or TypeError. A
         name like a misspelled slot gives a UserWarning.
         """
-        sources = self._read()
+        self._failed = sources = self._read()
         imported = imported_names(sources)
         for name in taken_names(sources, imported):
             raise ValueError(f"{self.path / name}.py {TAKEN}")
@@ -93,7 +94,7 @@ class CallbackFolder:
                 warnings.warn_explicit(message, UserWarning, str(self._absolute / f"{name}.py"), 0)
         modules = FolderModules(self.path, self._absolute, sources)
         callbacks = self._executed(modules)
-        self._modules, self._unchanged = modules, None
+        self._modules, self._unchanged, self._failed = modules, None, None
         return callbacks
 
     def load_saved(self) -> Callbacks:
@@ -166,6 +167,11 @@ class CallbackFolder:
         changed = {name for name in now.keys() | then.keys() if now.get(name) != then.get(name)}
         self._unchanged = None if changed else state
         return changed
+
+    @property
+    def is_new(self) -> bool:
+        """Whether the files differ from the last load, even a failed one; raises as `load`."""
+        return self._read() != (self._failed or self._modules.sources)
 
     def _state(self) -> list[tuple[str, int, int, int]] | None:
         """Return a state that is equal if no file has changed, at a tenth of the cost of reading.

@@ -205,7 +205,13 @@ class RunRecord(Record):
 
     def shot(self, step: Step) -> Shot:
         is_tracked = self._runner._is_on("measure")
-        shot = shot_of(step, self.columns(), self.n_resets, is_tracked=is_tracked)
+        shot = shot_of(
+            step,
+            self.columns(),
+            self.n_resets,
+            is_tracked=is_tracked,
+            is_own=self.has_own_measure,
+        )
         found = step.estimate and particles_of(self._runner._callbacks["estimate_state"])
         return replace(shot, particles=found) if found else shot
 

@@ -102,6 +102,7 @@ class Callbacks(Part):
         if now >= self._due:
             self._due = now + _GAP
             self._look_at_editors()
+            self._look_at_files()
             self._tell()
             self._tell_printed()
         return self._due
@@ -281,6 +282,15 @@ class Callbacks(Part):
         if slot not in self._slots:
             raise Refused(f"unknown slot {slot!r}")
         return slot
+
+    def _look_at_files(self) -> None:
+        """Forget the error of a callback after a change of the folder's files."""
+        error, folder = self.panel.driver.error, self._runner._folder
+        if error is None or folder is None or callback_of(error) is None:
+            return
+        with suppress(OSError, ValueError):  # the next start raises it again
+            if folder.is_new:
+                self.panel.driver.forget(error)
 
     def _look_at_editors(self) -> None:
         """Report editors that failed to open their file."""

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _TOLD = ("k", "t", "measured", "held", "truth", "estimate", "particles", "boxes", "missed", "past")
 _MOST_PARTICLES = 300
 _HIDDEN = "hidden by dropout"
+_OWN_MISSED = "your measure found no robot"
 
 
 @dataclass(frozen=True)
@@ -63,13 +64,18 @@ class Shot:
         return {"type": "frame", "size": size, **seen, **fields}
 
 
-def shot_of(step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool) -> Shot:
-    """Return the shown data of the newest step."""
+def shot_of(
+    step: Step, columns: Mapping[str, Floats], n_resets: int, *, is_tracked: bool, is_own: bool
+) -> Shot:
+    """Return the picture of the newest step; `is_own`: the user's `measure` was called."""
     measurement = step.measurement
     estimate = step.estimate
     detection = step.detection if is_tracked else None
     blobs = step.blobs if is_tracked else {}
     why = None if measurement or detection is None else detection.explanation
+    is_over = step.k < len(columns.get("pose_measured", ()))
+    if is_own and is_tracked and is_over and measurement is None:
+        why = _OWN_MISSED
     return Shot(
         k=step.k,
         t=step.t,
@@ -145,7 +151,7 @@ def _why_missed(record: Record, k: int, frame: Frame, blobs: Mapping[str, Sequen
     beside = "robsim's default finds the robot here"
     if found.measurement is None:
         beside = f"robsim's default does not either: {found.explanation}"
-    return f"your measure found no robot; {beside}"
+    return f"{_OWN_MISSED}; {beside}"
 
 
 def picture_of(frame: Frame | None, width: int) -> bytes:

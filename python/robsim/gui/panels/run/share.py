@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from robsim._core import Frame, Step
 from robsim.base.files import write_whole
 from robsim.gui._link import Link, Refused
-from robsim.gui.kept_runs import keep
+from robsim.gui.kept_runs import save
 from robsim.gui.panels.part import Handlers, Part
 from robsim.gui.panels.replay_file import ReplayFile, digest_of
 from robsim.gui.panels.settings.owners import owners_of
@@ -159,7 +159,8 @@ class Share(Part):
             link.send(head, [film, content])
             return
         try:
-            where = f"it is in {keep(Path(name).suffix, lambda file: write_whole(file, content))}"
+            file = save("shared", Path(name).suffix, lambda file: write_whole(file, content))
+            where = f"it is in {file}"
         except OSError as error:
             where = f"it could not be saved: {error}"
         link.refuse(f"The run is too large for the page: {where}")
