@@ -131,7 +131,7 @@ def test_what_changed_is_to_be_calibrated_again(calibration):
     known = TaskCalibration.from_record(record)
     assert known.stale(TASK, SOLUTIONS) is None
     other_task = EstimateTask(steps=20, runs=2, slip=0.31)
-    assert known.stale(other_task, SOLUTIONS).startswith("the task is not the one")
+    assert known.stale(other_task, SOLUTIONS).startswith("the task differs")
     changed = dataclasses.replace(SOLUTIONS[1], files=SOLUTIONS[1].files | {"more": b"x = 1"})
     assert known.stale(TASK, [SOLUTIONS[0], changed, *SOLUTIONS[2:]]).startswith("the solutions")
     assert known.stale(TASK).startswith("the solutions")
