@@ -23,6 +23,12 @@ class CheckReport(Report):
         Other observations.
     tables : tuple of Table
         Numbers for the problems and remarks.
+
+    Examples
+    --------
+    >>> report = robsim.teach.check_estimator(lambda: lambda step: None)
+    >>> bool(report)
+    False
     """
 
     name: str

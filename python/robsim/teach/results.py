@@ -88,6 +88,13 @@ class FailedRun:
     """A failed run: its number and the submission's failure.
 
     `cause` has the values of `SubmissionError.cause`.
+
+    Examples
+    --------
+    >>> park = robsim.teach.ParkTask()
+    >>> trial = robsim.teach.try_solution(park, control=lambda: lambda step: 1 / 0, runs=1)
+    >>> trial.failed
+    {0: 'ZeroDivisionError: division by zero'}
     """
 
     run: int
@@ -191,6 +198,12 @@ class ByHand:
         Points that replace the tests' points; None = the tests count.
     comment : str
         A comment for the student.
+
+    Examples
+    --------
+    >>> mark = robsim.teach.ByHand(late_days=1.0, kept=0.9, comment="one day late")
+    >>> mark.kept
+    0.9
     """
 
     late_days: float = 0.0

@@ -25,6 +25,12 @@ class Problem:
     line : SourceLine or None
         The line that failed or that the problem concerns, or else the definition of the faulty
         function; None = unknown.
+
+    Examples
+    --------
+    >>> [problem] = robsim.teach.check_estimator(lambda: lambda step: None).problems
+    >>> problem.sentence
+    'it returns None, not an Estimate: end with return robsim.Estimate(pose, covariance)'
     """
 
     kind: str

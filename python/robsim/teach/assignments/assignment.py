@@ -55,6 +55,12 @@ class TaskTest:
     reference_values : mapping of str to tuple of float
         The numbers of the reference in each run, by score. Only public tests in a folder for
         students have these numbers.
+
+    Examples
+    --------
+    >>> test = robsim.teach.new_assignment("park", "hw1", seed=1).tests[0]
+    >>> test.task.name, test.points
+    ('park', 3.0)
     """
 
     name: str
@@ -96,6 +102,12 @@ class LateRule:
         The share of the points that a day costs, 0 to 1.
     free_days, most_days : float
         The number of days without a cost, and the number after which a submission has no points.
+
+    Examples
+    --------
+    >>> rule = robsim.teach.LateRule(per_day=0.1, free_days=1.0, most_days=3.0)
+    >>> rule.free_days
+    1.0
     """
 
     per_day: float
@@ -146,6 +158,12 @@ class Assignment:
         Maximum points that a teacher gives by hand, such as for style, by name.
     leaderboard : str
         The score on Gradescope's leaderboard, ``"TEST.SCORE"``; "" = there is no leaderboard.
+
+    Examples
+    --------
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> [(test.name, test.points, test.public) for test in assignment.tests]
+    [('public', 3.0, True), ('hidden', 6.0, False)]
     """
 
     folder: Path

@@ -158,6 +158,12 @@ def load_assignment(
         If a part is missing or wrong; the message names file and key.
     TypeError, ValueError
         If an argument is wrong; the message names it.
+
+    Examples
+    --------
+    >>> made = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> robsim.teach.load_assignment("hw1").slots
+    ('control',)
     """
     if isolation is not None:
         check_choice("isolation", isolation, LEVELS)

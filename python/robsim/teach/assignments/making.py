@@ -172,6 +172,12 @@ def new_assignment(
         If the folder or a file of this name exists.
     TypeError, ValueError
         If an argument is wrong; the message names it.
+
+    Examples
+    --------
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> assignment.title, assignment.slots
+    ('Park the robot', ('control',))
     """
     known = [*TEMPLATES, *sources()]
     check_names("unknown template", [check_text("template", template)], known, ValueError)

@@ -47,6 +47,12 @@ class Key:
     ------
     TypeError, ValueError
         If the secret is no bytes, or too short.
+
+    Examples
+    --------
+    >>> key = robsim.teach.Key(bytes(32))
+    >>> key.pseudonym("ann") == key.pseudonym("ann")
+    True
     """
 
     def __init__(self, secret: bytes) -> None:

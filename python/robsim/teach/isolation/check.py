@@ -52,6 +52,12 @@ class IsolationReport(Report):
         The layers that hold and the layers that fail, in one line.
     certain_end : bool
         Whether no process of a submission can outlive its run.
+
+    Examples
+    --------
+    >>> report = robsim.teach.check_isolation(isolation="none")
+    >>> report.closed["files"]
+    False
     """
 
     isolation: str
@@ -126,6 +132,11 @@ def check_isolation(*, isolation: Isolation = "auto") -> IsolationReport:
         If ``"strict"`` is unavailable.
     GraderError
         If no worker can be started, or it does not answer.
+
+    Examples
+    --------
+    >>> robsim.teach.check_isolation(isolation="none").strict
+    False
     """
     ours, theirs = socket.socketpair()
     with ours, _targets() as target:

@@ -47,6 +47,12 @@ class Score:
     ------
     TypeError, ValueError
         If an argument has the wrong type or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> score = robsim.teach.ParkTask().scores[1]
+    >>> f"{score.title} ({score.unit})"
+    'distance from the goal at the end (px)'
     """
 
     name: str
@@ -163,6 +169,12 @@ class ScoreLimit:
     ------
     TypeError, ValueError
         If a limit is not a number above 0, or only one of `low` and `low_zero` is given.
+
+    Examples
+    --------
+    >>> limit = robsim.teach.ScoreLimit(full=1.5, zero=3.0)  # times the reference's score
+    >>> limit.zero / limit.full
+    2.0
     """
 
     full: float

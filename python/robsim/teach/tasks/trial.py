@@ -63,6 +63,13 @@ class TaskTrial(Report):
         The traces of the worst run, from the solution and the reference.
     has_own_limits : bool
         Whether the limits belong to this very task; else to a task with default parameters.
+
+    Examples
+    --------
+    >>> park = robsim.teach.ParkTask()
+    >>> trial = robsim.teach.try_solution(park, control=lambda: robsim.Spin(), runs=2)
+    >>> trial.is_solved, sorted(trial.values)
+    (False, ['distance', 'heading', 'overshoot', 'settling'])
     """
 
     task: Task

@@ -78,6 +78,12 @@ def pack_gradescope(
     After https://gradescope-autograders.readthedocs.io/en/latest/specs: ``setup.sh`` runs once, for
     the image; ``run_autograder`` runs for each submission in ``/autograder/submission``, and writes
     ``/autograder/results/results.json``.
+
+    Examples
+    --------
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> robsim.teach.pack_gradescope(assignment, "autograder.zip").name
+    'autograder.zip'
     """
     check_is_assignment(assignment)
     file = as_path(path)

@@ -43,6 +43,12 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
         would be public.
     FileExistsError
         If the folder exists.
+
+    Examples
+    --------
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> robsim.teach.pack_students(assignment, "hw1.zip").name
+    'hw1.zip'
     """
     check_is_assignment(assignment)
     target = as_path(path)

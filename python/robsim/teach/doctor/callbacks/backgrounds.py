@@ -40,6 +40,11 @@ def check_background(make: Callable[[], Any] | str | PathLike[str]) -> CheckRepo
     ------
     TypeError, ValueError
         If `make` is not callable.
+
+    Examples
+    --------
+    >>> robsim.teach.check_background(lambda: lambda image: image).verdict
+    'passed'
     """
     return check_calls(make, WorldSlots.adjust_background, _checks, _BUDGET)
 

@@ -51,6 +51,11 @@ def check_model(make: Callable[[], Any] | str | PathLike[str]) -> CheckReport:
     ------
     TypeError, ValueError
         If `make` is not callable.
+
+    Examples
+    --------
+    >>> robsim.teach.check_model(lambda: lambda: None).verdict
+    'failed'
     """
     return check_calls(make, RobotSlots.define_model, _model_checks, BUDGET)
 

@@ -36,6 +36,12 @@ class MeasureTask(Task):
     ------
     TypeError, ValueError
         If a parameter has the wrong type or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> task = robsim.teach.MeasureTask(noise=20.0)
+    >>> [(score.name, score.unit) for score in task.scores]
+    [('position', 'px'), ('heading', 'deg'), ('lost', '%')]
     """
 
     name: ClassVar[str] = "measure"
