@@ -9,6 +9,6 @@ def check_has_threads(part: str) -> None:
     """Raise NotImplementedError in a browser (Pyodide), where Python has no threads."""
     if sys.platform == "emscripten":
         raise NotImplementedError(
-            f"{part} needs threads, and Python in a browser has no threads. Runs, tracking, estimation "
-            "and figures work here; for all else install robsim on a computer."
+            f"{part} needs threads, and Python in a browser has no threads. Runs, tracking, "
+            "estimation and figures work here; for all else install robsim on a computer."
         )

@@ -40,7 +40,9 @@ class NotHereError(ImportError):
     """A submission uses a masked module or name."""
 
     def __init__(self, mask: str) -> None:
-        super().__init__(f"{mask} is unavailable in this assignment: write your own code", name=mask)
+        super().__init__(
+            f"{mask} is unavailable in this assignment: write your own code", name=mask
+        )
 
 
 class _Absent:
