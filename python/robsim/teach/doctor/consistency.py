@@ -261,7 +261,7 @@ def _is_named(node: ast.AST) -> bool:
 
 
 def _unsymmetric(trials: Trials, codes: dict[tuple[str, int], CodeType]) -> set[tuple[str, int]]:
-    """Return the places of factors without symmetry during a trial."""
+    """Return the places of unsymmetric factors during a trial."""
     found = set()
     files = {file for file, _ in codes}
 
