@@ -185,3 +185,27 @@ def test_deviations_need_a_truth_and_what_differs_by_rounding_is_exact(tab_of):
     rows = [["a1X", None, 2.1, 0.05, 1.9]]
     host.emit({"type": "result", "rows": rows, "text": "", "verdict": ""}, [])
     assert host.tab.locator(".robsim-deviation").count() == 0
+
+
+def test_a_task_has_a_tab_with_its_scores(open_fake):
+    host = open_fake()
+    host.setup(challenge={"title": "park", "steps": 60, "slots": ["control"]})
+    score = {"points": 0.5, "stars": 1, "best": None, "by_hand": [], "changed": [], "rule": None}
+    rows = [["time", "s", 3.0, 2.0, 1.5, "up to 2", "from 3"]]
+    host.emit({"type": "score", "rows": rows, **score})
+    host.tab.click("button[name='challenge.details']")
+    assert host.tab.inner_text("[role=tab][aria-selected=true]") == "Score"
+    cells = host.tab.locator(".robsim-scores tbody tr > *").all_inner_texts()
+    assert cells == ["time (s)", "3", "2", "1.5", "up to 2", "from 3"]
+    host.setup(challenge=None)
+    assert host.tab.locator("[role=tab][value=scores]").count() == 0
+
+
+def test_the_button_of_share_says_that_it_works(open_fake):
+    host = open_fake()
+    host.setup(can_share=True)
+    host.state(k=1, steps=2)
+    host.tab.click("button[name=share]")
+    assert host.tab.is_disabled("button[name=sharing]")
+    host.emit({"type": "note", "level": "error", "text": "it could not be made"})
+    assert host.tab.is_enabled("button[name=share]")

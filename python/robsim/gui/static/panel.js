@@ -53,6 +53,7 @@ function layOut(context, camera, place) {
   const timeline = makeTimeline(context);
   const share = makeShare(context);
   const trouble = makeTrouble(context, transport.press);
+  const challenge = makeChallenge(context);
   const tabs = makeTabs(context, {
     traces: makeTraces(context),
     parameters: makeParameterCharts(context),
@@ -60,10 +61,11 @@ function layOut(context, camera, place) {
     inspector: makeInspector(context),
     result: makeResult(context),
     scenario: makeScenario(context),
+    scores: challenge.sheet,
   });
   const view = make("div.robsim-view.robsim-surface", camera.element, trouble.element);
   const left = [makeTitle(context), { element: view }, transport, timeline,
-    makeChallenge(context), makeControls(context)];
+    challenge, makeControls(context)];
   const over = [makeKeyboard(context, transport, timeline).element, makeNotes(context).element,
     share.element];
   const panel = make("div.robsim-panel", { tabIndex: -1 },
@@ -104,8 +106,9 @@ function makeTabs(context, sheets) {
   context.on("local", (name) => name == "tab" && show());
   const callbacks = tabs[names.indexOf("callbacks")];
   context.on("state", ({ error }) => (callbacks.dataset.mark = error ? "bad" : ""));
-  context.on("setup", ({ has_options: hasOptions }) => {
+  context.on("setup", ({ has_options: hasOptions, challenge }) => {
     if (!hasOptions) tabs[names.indexOf("scenario")].remove();
+    if (!challenge) tabs[names.indexOf("scores")].remove();
     show();
   });
   context.on("result", ({ again }) => again || choose("result")); // not one from before

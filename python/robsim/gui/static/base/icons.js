@@ -24,7 +24,7 @@ const ICONS = {
   to_callbacks: "M2 2.5h3v3H2zm5 .7h7v1.6H7zM2 6.5h3v3H2zm5 .7h7v1.6H7zm-5 3.3h3v3H2zm5 .7h7v1.6H7z",
   robot: "M5 2h6a3 3 0 0 1 3 3v6a3 3 0 0 1-3 3H5a3 3 0 0 1-3-3V5a3 3 0 0 1 3-3zm5.4 2.6a1.4 1.4 0 1 0 0 2.8 1.4 1.4 0 0 0 0-2.8zm0 4a1.4 1.4 0 1 0 0 2.8 1.4 1.4 0 0 0 0-2.8zM3.8 7.4v1.2h4V7.4z",
 };
-for (const [name, same] of Object.entries({ first: "start", go_on: "start", reset_option: "reset", end: "stop" })) ICONS[name] = ICONS[same];
+for (const [name, same] of Object.entries({ first: "start", go_on: "start", reset_option: "reset", end: "stop", sharing: "share" })) ICONS[name] = ICONS[same];
 
 /** Return an icon, which says nothing to screen readers. */
 export function icon(name) {

@@ -1,4 +1,6 @@
-// A task as a challenge: the clock, the score by stars and numbers, the best of this machine.
+// A task as a challenge: the clock, the score by stars and numbers, the best of this machine; the
+// tab of its scores.
+import { makeTextButton } from "../base/buttons.js";
 import { make, say, sayOrHide, text } from "../base/dom.js";
 
 const COLUMNS = ["score", "own", "reference", "ratio", "full", "zero"];
@@ -12,13 +14,15 @@ export function makeChallenge(context) {
   const best = make("span.robsim-quiet");
   const warning = make("p.robsim-chip.robsim-warning", { hidden: true });
   const conditions = make("p.robsim-quiet");
-  const table = make("div.robsim-cut");
-  const details = make("details", make("summary", text("challenge.details")), table, conditions,
+  const table = make("div.robsim-card.robsim-surface.robsim-cut");
+  const more = makeTextButton("challenge.details", "robsim-plain", () =>
+    context.choose("tab", "scores"));
+  const sheet = make("div.robsim-scores", table, conditions,
     make("p.robsim-quiet", text("challenge.three")));
   const element = make("section.robsim-card.robsim-surface.robsim-challenge",
     { ariaLabel: text("challenge"), hidden: true },
     make("div.robsim-row", name, stars, points), make("div.robsim-row", bar, clock, best), warning,
-    details);
+    more);
 
   const tick = () => {
     const { challenge, dt } = context.setup ?? {};
@@ -53,7 +57,7 @@ export function makeChallenge(context) {
   };
   show({ stars: 0, points: null, best: null, by_hand: [], changed: [], rule: null, rows: [] });
   context.on("score", show);
-  return { element };
+  return { element, sheet: { element: sheet } };
 }
 
 const percent = (share) => (100 * share).toFixed(0);

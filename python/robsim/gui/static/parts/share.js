@@ -1,6 +1,6 @@
 // Share: a clip of the last ten seconds, and a file from which the run is run again.
 import { asBytes } from "../base/buffers.js";
-import { makeButton } from "../base/buttons.js";
+import { makeButton, showButton } from "../base/buttons.js";
 import { make, text } from "../base/dom.js";
 
 const KINDS = { webm: "video/webm", gif: "image/gif" };
@@ -14,11 +14,13 @@ export function makeShare(context) {
   };
   const button = makeButton("share", "robsim-share", () => {
     button.disabled = true;
+    showButton(button, "sharing");
     button.ariaBusy = "true";
     context.send({ type: "share" });
   });
   const rest = () => {
     button.disabled = button.hidden;
+    showButton(button, "share");
     button.ariaBusy = "false";
   };
   const close = makeButton("close", "robsim-plain robsim-icon", () => dialog.close());
