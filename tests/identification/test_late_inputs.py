@@ -148,7 +148,7 @@ def test_a_batch_estimate_estimates_the_delay_from_measured_poses(options, depar
     # The model errs by as much as the delay is wrong: that is no departure of the robot.
     assert (found.model_error > 0).all()
     assert found.departure == departure
-    assert ("does not move as its model says" in str(found)) == (departure == "mismatch")
+    assert ("the robot does not move as its model" in str(found)) == (departure == "mismatch")
 
 
 @pytest.mark.kernels
