@@ -40,8 +40,9 @@ class Intrinsics:
     Examples
     --------
     >>> matrix = [[800, 0, 319.5], [0, 800, 239.5], [0, 0, 1]]
-    >>> intrinsics = Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
-    >>> plane_map = PlaneMap.from_points(seen, corners, intrinsics)
+    >>> lens = robsim.vision.Intrinsics(matrix, (-0.12, 0.02, 0, 0, 0))
+    >>> robsim.vision.PlaneMap(intrinsics=lens).to_world((0, 0)).round(1)  # of the corner
+    array([-10. ,  -7.5])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -113,6 +114,14 @@ class PlaneMap:
     ------
     TypeError, ValueError
         If the matrix is not finite or has no inverse.
+    
+    Examples
+    --------
+    >>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
+    >>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
+    >>> plane_map = robsim.vision.PlaneMap.from_points(seen, corners)
+    >>> plane_map.to_world((541, 77)).round(3)
+    array([1199.,    0.])
     """
     @staticmethod
     def from_points(pixels: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike, intrinsics: Intrinsics | None = None) -> PlaneMap:
@@ -144,7 +153,9 @@ class PlaneMap:
         --------
         >>> seen = [(102, 80), (541, 77), (630, 455), (12, 460)]
         >>> corners = [(0, 0), (1199, 0), (1199, 1199), (0, 1199)]
-        >>> plane_map = PlaneMap.from_points(seen, corners)
+        >>> plane_map = robsim.vision.PlaneMap.from_points(seen, corners)
+        >>> plane_map.to_world((541, 77)).round(3) + 0.0
+        array([1199.,    0.])
         """
     @staticmethod
     def scaled(resolution: tuple[int, int], area: tuple[float, float]) -> PlaneMap:
@@ -270,10 +281,13 @@ class Frame:
     
     Examples
     --------
-    A frame in shared memory, which then stays open as long as the frame (with only
-    ``np.ndarray(..., buffer=shared.buf)`` it could be closed):
+    A frame of shared memory keeps that memory open. Here a ``bytearray`` has its place:
     
-    >>> frame = Frame(shared.buf[: 480 * 640 * 3].cast("B", (480, 640, 3)), copy=False)
+    >>> memory = bytearray(480 * 640 * 3)
+    >>> frame = robsim.Frame(memoryview(memory).cast("B", (480, 640, 3)), copy=False, t=0.2)
+    >>> memory[0] = 255
+    >>> frame.image[0, 0].tolist(), frame.t
+    ([255, 0, 0], 0.2)
     """
     @staticmethod
     def from_bgr(image: numpy.typing.NDArray[numpy.uint8], *, t: float | None = None, t_arrival: float | None = None, epoch: float | None = None, index: int = 0, plane_map: PlaneMap = ..., headings: int | None = None) -> Frame:
@@ -289,8 +303,9 @@ class Frame:
         
         Examples
         --------
-        >>> ok, image = cv2.VideoCapture(0).read()
-        >>> frame = Frame.from_bgr(image, t=time.monotonic())
+        >>> blue = np.uint8([[[255, 0, 0]]])
+        >>> robsim.Frame.from_bgr(blue).image[0, 0].tolist()
+        [0, 0, 255]
         """
     def __array__(self, dtype: typing.Any = None, copy: typing.Any = None) -> typing.Any:
         """
@@ -454,6 +469,12 @@ class RobotParameters:
     ------
     ValueError
         If a value is not physical; the message names the value and the reason.
+    
+    Examples
+    --------
+    >>> light, heavy = (robsim.RobotParameters(mass=mass) for mass in (0.3, 0.6))
+    >>> [float(robsim.RobotModel(p).theta[0, 2].round(3)) for p in (light, heavy)]
+    [0.208, 0.108]
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -537,6 +558,13 @@ class RobotModel:
     -----
     Source: Pereira et al., Data-Based Dynamical Modelling of Externally Observed Actuators-Only
     Robots, IEEE Trans. SMC A 30(4), 2000.
+    
+    Examples
+    --------
+    >>> robsim.RobotModel().theta.round(3)  # rows X, Y, heading: -a1, -a2, b1, b2, d1
+    array([[ 1.938, -0.938,  0.208,  0.208,  0.   ],
+           [ 1.938, -0.938,  0.208,  0.208,  0.   ],
+           [ 1.833, -0.833,  0.031, -0.031,  0.   ]])
     """
     @staticmethod
     def from_theta(theta: numpy.typing.ArrayLike, *, dt: float = 0.2) -> RobotModel:
@@ -734,6 +762,13 @@ class ColorClass:
         Name of the colour.
     y, u, v : tuple of two ints
         Lower and upper end of the range, both included, within 0..255.
+    
+    Examples
+    --------
+    >>> red = robsim.ColorClass("red", u=(60, 125), v=(180, 255))
+    >>> y, u, v = robsim.vision.rgb_to_yuv(np.uint8([[[200, 30, 40]]]))[0, 0]
+    >>> bool(red.u[0] <= u <= red.u[1] and red.v[0] <= v <= red.v[1])
+    True
     """
     @staticmethod
     def from_histograms(histograms: numpy.typing.ArrayLike, *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False, around: numpy.typing.ArrayLike | None = None) -> ColorClass:
@@ -864,6 +899,12 @@ class MarkerLayout:
     colors : dict of str to str, optional
         By role, the colour classes' names, such as ``{"right": "green", "left": "orange"}``, as in a
         colour file. Default: the right or front marker is red, the other one blue.
+    
+    Examples
+    --------
+    >>> markers = robsim.vision.MarkerLayout(distance=43, offset=12)
+    >>> markers.colors
+    {'right': 'red', 'left': 'blue'}
     """
     @staticmethod
     def from_markers(markers: collections.abc.Mapping[str, numpy.typing.ArrayLike], *, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, colors: collections.abc.Mapping[str, str] | None = None) -> MarkerLayout:
@@ -1004,6 +1045,13 @@ class Blob:
         (u_min, v_min, u_max, v_max), all included.
     at_border : bool
         Whether it touches the edge of the frame and may continue beyond it.
+    
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> blob = robsim.find_blobs(frame, robsim.load_colors())["blue"][0]
+    >>> blob.area, blob.centroid.round(1), blob.at_border
+    (558, array([586. , 578.5]), False)
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1073,6 +1121,13 @@ class Measurement:
     ValueError
         If the pose is not finite, if the covariance is invalid, or if a figure is below 0 or not
         finite.
+    
+    Examples
+    --------
+    >>> noise = robsim.GaussianNoise(10)
+    >>> sim = robsim.Simulation(measure=True, headings=None, noise=noise, seed=1)
+    >>> np.sqrt(np.diag(sim.step().measurement.covariance)).round(2)  # px, px, rad
+    array([0.03, 0.04, 0.  ])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1123,6 +1178,12 @@ class Detection:
     The misfit is the sum of three squared deviations: of the distance, as a fraction of
     ``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of the
     logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+    
+    Examples
+    --------
+    >>> markers = robsim.load_robot("lab").marker_layout()
+    >>> robsim.vision.detect({"red": [], "blue": []}, markers).reason
+    'no blobs'
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1196,6 +1257,14 @@ class Detection:
 class MissedDetections:
     """
     The steps of a run in which the default measurement detected no robot, for the same reason.
+    
+    Examples
+    --------
+    >>> sim = robsim.Simulation(measure=True, area=(200, 200), start=(5, 100, 0), seed=1)
+    >>> sim.run(3).seen.any()
+    np.False_
+    >>> [(missed.reason, missed.steps) for missed in sim.missed_detections]
+    [('at the border', 3)]
     """
     def __reduce_ex__(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> typing.Any:
         ...
@@ -1257,6 +1326,14 @@ class RecursiveLeastSquares:
     estimates do not change, excited directions are forgotten as before, and when excitation returns the
     filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
     filter follows a change of the parameters more and more slowly as samples accumulate.
+    
+    Examples
+    --------
+    >>> rls = robsim.RecursiveLeastSquares(2)
+    >>> for phi, y in [((1, 0), 1.0), ((0, 1), 2.0), ((1, 1), 3.3)]:
+    ...     theta = rls.update([phi], [y])
+    >>> theta.round(3)
+    array([[1.1, 2.1]])
     """
     __hash__: typing.ClassVar[None]  # type: ignore[assignment]
     def __eq__(self, arg0: typing.Any) -> bool:
@@ -1334,6 +1411,12 @@ class RecursiveLeastSquares:
 class LeastSquaresFit:
     """
     Result of `least_squares`.
+    
+    Examples
+    --------
+    >>> fit = robsim.estimation.least_squares([[1, 0], [0, 1], [1, 1]], [1, 2, 3.3])
+    >>> fit.theta.round(3), fit.standard_errors.round(3)
+    (array([1.1, 2.1]), array([0.141, 0.141]))
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1438,6 +1521,12 @@ class Estimate:
         Its covariance.
     state : array (n,), optional
         Any further state, n the same at every step.
+    
+    Examples
+    --------
+    >>> estimate = robsim.Estimate((600, 500, 0.1), np.diag([4, 4, 0.01]))
+    >>> np.sqrt(np.diag(estimate.covariance))  # px, px, rad
+    array([2. , 2. , 0.1])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1482,6 +1571,13 @@ class Sample:
         Outputs x, y (work-area px) and heading (rad).
     k : int
         The step of the output y.
+    
+    Examples
+    --------
+    >>> phi = np.tile([10.0, 9.0, 0.5, 0.5, 1.0], (3, 1))
+    >>> sample = robsim.estimation.Sample(phi, y=(10.8, 10.8, 10.8), k=2)
+    >>> sample.phi.shape, sample.k
+    ((3, 5), 2)
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1532,6 +1628,13 @@ class Observation:
         The sample for the parameter estimator, if made externally.
     interrupted : bool
         The robot was stopped since the last step: no sample spans the stop.
+    
+    Examples
+    --------
+    >>> dark = robsim.Frame(np.zeros((480, 640, 3), np.uint8))
+    >>> seen = robsim.Observation(dark, t=0.2, measurement=(600, 500, 0.1))
+    >>> seen.measurement.pose.tolist()
+    [600.0, 500.0, 0.1]
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1615,8 +1718,9 @@ class Step:
     
     Examples
     --------
-    >>> step = Step(k=3, measurement=(600, 500, 0.1))
-    >>> GoToPoint(900, 300)(step)
+    >>> step = robsim.Step(k=3, measurement=(600, 500, 0.1))
+    >>> [round(float(u), 3) for u in robsim.GoToPoint(900, 300)(step)]
+    [0.037, 1.0]
     """
     __hash__: typing.ClassVar[None]  # type: ignore[assignment]
     def __eq__(self, arg0: typing.Any) -> bool:
@@ -1809,6 +1913,12 @@ class Limits:
     ------
     ValueError
         If a limit is not above 0.
+    
+    Examples
+    --------
+    >>> limits = robsim.lab.Limits(voltage=1.0)
+    >>> limits.applied((2.0, 1.0), (0.0, 0.0), 0.2)
+    array([1. , 0.5])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2025,6 +2135,12 @@ class MotorReceiver(ReceivedInput):
     ------
     LineError
         If the port is in use, or the address does not exist.
+    
+    Examples
+    --------
+    >>> with robsim.lab.MotorReceiver() as robot:
+    ...     print(robot.input, robot.counts)
+    [0. 0.] LineCounts(valid=0, damaged=0, old=0, foreign=0)
     """
     def __enter__(self) -> typing.Any:
         ...
@@ -2092,6 +2208,12 @@ class WorldState:
         Number of the step.
     t, dt : float, optional
         Time and sample time (s). Default: k dt, and the dt of the model.
+    
+    Examples
+    --------
+    >>> world = robsim.simulation.WorldState((601, 500, 0), (600, 500, 0), last_u=(0, 0))
+    >>> robsim.Unicycle()(world).round(2)
+    array([601.94, 500.  ,   0.  ])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2274,6 +2396,14 @@ class Unicycle:
     -----
     s(k) = -a2X s(k-1) + b1X u1(k-1) + b2X u2(k-1) + d1X is the distance driven in a step, and
     x(k) = x(k-1) + s(k) cos heading(k-1), y(k) = y(k-1) + s(k) sin heading(k-1).
+    
+    Examples
+    --------
+    >>> drive = {"control": robsim.DriveAround(), "seed": 1}
+    >>> model = robsim.Simulation(**drive).run(100)
+    >>> unicycle = robsim.Simulation(evaluate_model=robsim.Unicycle(), **drive).run(100)
+    >>> np.abs(unicycle.pose_true - model.pose_true).max(axis=0).round(1)
+    array([89.4, 32.2,  0. ])
     """
     def __call__(self, world: WorldState) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2298,6 +2428,11 @@ class Unicycle:
 class Controller:
     """
     A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
+    
+    Examples
+    --------
+    >>> robsim.Spin()(robsim.Step(k=0))
+    array([ 0.05, -0.05])
     """
     def __call__(self, step: Step) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2313,6 +2448,12 @@ class Spin(Controller):
     ----------
     voltage : float
         Voltage of the left motor (V); at 0.05 V the default robot turns by 1.05 degrees a step.
+    
+    Examples
+    --------
+    >>> trace = robsim.Simulation(control=robsim.Spin(), seed=1).run(50)
+    >>> abs(trace.pose_true[-1] - trace.pose_true[0]).round(2)  # px, px, rad
+    array([0.  , 0.  , 0.81])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2345,6 +2486,12 @@ class DriveAround(Controller):
         The voltages are uniform in [low, high) (V).
     hold : int
         Steps for which a voltage is held.
+    
+    Examples
+    --------
+    >>> trace = robsim.Simulation(control=robsim.DriveAround(), seed=1).run(100)
+    >>> len(np.unique(trace.u, axis=0))  # each input lasts some steps
+    10
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2390,6 +2537,13 @@ class Replay(Controller):
     ------
     IndexError
         If it is called for a step without a row.
+    
+    Examples
+    --------
+    >>> sim = robsim.Simulation(control=robsim.Replay([(0.2, 0.2), (0.2, -0.2)]), seed=1)
+    >>> sim.run(2).u
+    array([[ 0.2,  0.2],
+           [ 0.2, -0.2]])
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -2662,6 +2816,13 @@ def classify(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collectio
     ------
     TypeError, ValueError
         For an image of the wrong type or shape, duplicate colour names, and options out of range.
+    
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> masks = robsim.vision.classify(frame, robsim.load_colors())
+    >>> {color: int(mask.sum()) for color, mask in masks.items()}  # pixels
+    {'blue': 558, 'red': 3694}
     """
 def color_histograms(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int]) -> numpy.typing.NDArray[numpy.int64]:
     """
@@ -2683,6 +2844,13 @@ def color_histograms(image: Frame | numpy.typing.NDArray[numpy.uint8], region: c
     ------
     TypeError, ValueError
         For an image or a region of the wrong type or shape, or a region outside the image.
+    
+    Examples
+    --------
+    >>> image = np.full((4, 5, 3), 128, np.uint8)
+    >>> counts = robsim.vision.color_histograms(image, (0, 0, 2, 1))
+    >>> counts.argmax(axis=1), int(counts.max())  # Y, U, V; number of pixels
+    (array([128, 128, 128]), 6)
     """
 def cos(x: numpy.typing.ArrayLike) -> typing.Any:
     """
@@ -2739,9 +2907,11 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     
     Examples
     --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
     >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
     >>> detection = robsim.vision.detect(blobs, robsim.load_robot("lab").marker_layout())
-    >>> detection.reason, detection.explanation
+    >>> detection.explanation
+    'red and blue blobs 43.0 px of the work area apart fit the markers (misfit 0.01)'
     """
 def detection_reasons(colors: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ['red', 'blue']) -> list[str]:
     """
@@ -2791,6 +2961,13 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
     ------
     TypeError, ValueError
         For an image of the wrong type or shape, duplicate colour names, and options out of range.
+    
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
+    >>> {color: [blob.area for blob in found] for color, found in blobs.items()}
+    {'blue': [558], 'red': [3136, 558]}
     """
 def fitting_roles(one: numpy.typing.ArrayLike, other: numpy.typing.ArrayLike) -> tuple[str, str]:
     """
@@ -2842,6 +3019,11 @@ def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> Lea
     -----
     Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
     Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
+    
+    Examples
+    --------
+    >>> robsim.estimation.least_squares([[1, 0], [0, 1], [1, 1]], [1, 2, 3.3])
+    <LeastSquaresFit: theta [1.1 2.1], rank 2, condition 1.73, residual rms 0.1>
     """
 def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], markers: MarkerLayout, plane_map: PlaneMap | None = None, *, image: Frame | numpy.typing.NDArray[numpy.uint8] | None = None, colors: collections.abc.Sequence[ColorClass] | None = None) -> Measurement | None:
     """
@@ -2884,9 +3066,11 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     
     Examples
     --------
+    >>> frame = robsim.Simulation(headings=None, seed=1).step().frame
     >>> blobs = robsim.find_blobs(frame, robsim.load_colors())
-    >>> measurement = robsim.locate(blobs, robsim.load_robot("lab").marker_layout(), image=frame)
-    >>> measurement.pose, measurement.covariance
+    >>> markers = robsim.load_robot("lab").marker_layout()
+    >>> robsim.locate(blobs, markers, image=frame).pose.round(1) + 0.0  # px, px, rad
+    array([600., 600.,   0.])
     """
 def log(x: numpy.typing.ArrayLike) -> typing.Any:
     """
@@ -2955,6 +3139,13 @@ def regression(poses: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike) -> tupl
         Regressors of steps 2..N-1 for the axes X, Y and P (heading).
     y : array (N - 2, 3)
         Outputs; y = sum(phi * theta, axis=2) for the true theta.
+    
+    Examples
+    --------
+    >>> trace = robsim.Simulation(control=robsim.DriveAround(), seed=1).run(50)
+    >>> phi, y = robsim.estimation.regression(trace.pose_true, trace.u)
+    >>> np.allclose((phi * robsim.RobotModel().theta).sum(axis=2), y)
+    True
     """
 def relative_masks(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collections.abc.Sequence[ColorClass], smoothing: int, gains: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"], least_chroma: float) -> dict[str, numpy.typing.NDArray[numpy.bool]]:
     """
@@ -2976,6 +3167,12 @@ def rgb_to_yuv(image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray
     -------
     array (H, W, 3) of uint8
         Y, U, V.
+    
+    Examples
+    --------
+    >>> robsim.vision.rgb_to_yuv(np.uint8([[[255, 0, 0], [128, 128, 128]]]))[0]
+    array([[ 75,  84, 255],
+           [128, 128, 128]], dtype=uint8)
     """
 def second_order_recursion(a1: float, a2: float, force: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
     """
@@ -3038,6 +3235,13 @@ def surrounding_chroma(image: Frame | numpy.typing.NDArray[numpy.uint8]) -> nump
     ------
     TypeError, ValueError
         For an image of the wrong type or shape.
+    
+    Examples
+    --------
+    >>> frame = robsim.Simulation(seed=1).step().frame
+    >>> medians, spreads = robsim.vision.surrounding_chroma(frame)
+    >>> medians.round()
+    array([125., 128.])
     """
 def to_line(kind: str, number: int, u: numpy.typing.ArrayLike, time_to_live: int) -> bytes:
     """
@@ -3098,5 +3302,10 @@ def wrap_angle(angle: numpy.typing.ArrayLike) -> typing.Any:
     -------
     float or array
         Wrapped angle (rad), of the same shape.
+    
+    Examples
+    --------
+    >>> robsim.wrap_angle(np.radians([190, -190])).round(3)
+    array([-2.967,  2.967])
     """
 rank_tolerance: float = 1e-10
