@@ -179,7 +179,7 @@ def test_a_calibration_that_was_not_read_is_not_overwritten(tool, tmp_path):
     floor = tool.value
     save_calibration("camera.toml", floor)
     with robsim.gui.floor_panel(tiled_floor(), calibration=LENS) as other:
-        with pytest.raises(ValueError, match=r"camera.toml is there already"):
+        with pytest.raises(ValueError, match=r"camera.toml already exists"):
             other.save()
         with pytest.raises(ValueError, match="already exists"):
             tool.save("camera.toml")
@@ -496,8 +496,8 @@ def test_more_pictures_than_enough_are_refused(tool, browser, fakes):
         tool.take_board()
     for message, fields in (("take", {}), ("watch", {"on": True})):
         browser.say(message, **fields)
-        assert "there are 60 pictures already" in browser.take("note", level="error")[0]["text"]
-    with pytest.raises(ValueError, match="60 pictures already"):
+        assert "there are already 60 pictures" in browser.take("note", level="error")[0]["text"]
+    with pytest.raises(ValueError, match="already 60 pictures"):
         tool.take_board()
     assert len(lens.taken) == 60
     assert not lens.watches

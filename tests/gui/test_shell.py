@@ -162,7 +162,7 @@ def test_a_live_camera_has_its_numbers_in_the_place_of_the_speed(shell):
     for camera, words in (
         ({"rate": None, "age": None, "dropped": 0}, ["\u2013 fps", "0 dropped", ""]),
         ({"rate": 29.96, "age": 0.031, "dropped": 2}, ["30.0 fps", "2 dropped", "31 ms old"]),
-        ({"rate": 0.0, "age": 12.4, "dropped": 2}, ["0.0 fps", "2 dropped", "none for 12 s"]),
+        ({"rate": 0.0, "age": 12.4, "dropped": 2}, ["0.0 fps", "2 dropped", "no frame for 12 s"]),
     ):
         host.state(values=VALUES, state="running", camera=camera)
         assert rate.locator("span").all_inner_texts() == words

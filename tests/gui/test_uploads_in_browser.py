@@ -89,7 +89,7 @@ def test_a_bad_file_gets_a_sentence_in_place_until_a_good_one_comes(tool, open_t
     with open(bad, "wb") as file:
         file.truncate((64 << 20) + 10**6)
     drag_file(tab, bad)
-    tab.wait_for_selector(f"{REFUSED} >> text=at most 64 MB are taken")
+    tab.wait_for_selector(f"{REFUSED} >> text=at most 64 MB are allowed")
     drag_file(tab, plain.parent)
     tab.wait_for_selector(f"{REFUSED} >> text=cannot be read")
     assert is_painted(tab, FLOOR)
