@@ -58,7 +58,7 @@ def opened(server, **options):
         ("302 Found\r\nLocation: ftp://127.0.0.1/a", NoCameraError, "ftp"),
         ("200 OK\r\nContent-Type: text/html", CaptureError, "text/html"),
         ("200 OK\r\nContent-Type: multipart/x-mixed-replace", CaptureError, "no MJPEG stream"),
-        (None, NoCameraError, "no answer of HTTP"),
+        (None, NoCameraError, "no valid HTTP answer"),
     ],
 )
 def test_another_answer_is_told(said, kind, words):

@@ -177,7 +177,7 @@ def test_a_sheet_that_was_moved_is_told_from_the_camera(with_sheets):
     finding = check(image, dataclasses.replace(given, marks=marks))["shift of floor sheets"]
     assert finding.value == pytest.approx(8, abs=0.1)
     assert finding.remedy.startswith("floor sheet 2 is not where")
-    assert "the others are: lay back what was moved" in finding.remedy
+    assert "the others are: put the sheets back" in finding.remedy
 
 
 def test_sheets_that_were_taken_away_are_missed(oblique, with_sheets):

@@ -161,7 +161,7 @@ def test_a_lab_in_real_time_is_judged():
     assert kinds(report) == set()
     assert report["frame rate"].value > 0
     assert report["round trip to the robot"].value > 0
-    assert "the robot was only told to stop" in report.remarks
+    assert "the robot only received a stop" in report.remarks
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What touches the real world: cameras, motors, calibration, rehearsal."""
+"""The hardware side: cameras, motors, calibration, rehearsal."""
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Calibration of a camera: its lens, where it looks at the floor from, sheets to print."""
+"""Calibration of a camera: its lens, its view of the floor, sheets to print."""
 
 from robsim.lab.calibration.floor import calibrate_floor, calibrate_floor_by_sheets
 from robsim.lab.calibration.floor_report import FloorCalibration, FloorPoint

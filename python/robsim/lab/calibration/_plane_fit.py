@@ -1,7 +1,7 @@
-"""The plane that groups of points lie on, seen by a camera: least squares in the picture.
+"""The plane that contains groups of points seen by a camera: least squares in the picture.
 
-The points of a group have known places among themselves. Those of the first group are in the axes
-of the floor; each other group lies there anywhere, turned by any angle.
+The points of a group have known positions relative to each other. The first group is in the axes
+of the floor; every other group has any position and angle on the floor.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from robsim._core import PlaneMap
 from robsim.base.checks import Floats
 from robsim.vision.robots.polygons import placed
 
-_LEAST_NOISE = 0.05  # px, of what a residual is taken for at least
+_LEAST_NOISE = 0.05  # px, the minimum noise of a residual
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class _Camera:
 
     def start(self, to_pixels: Floats) -> Floats:
         """Return the parameters of about this homography."""
-        from scipy.spatial.transform import Rotation  # as all of scipy here, it takes long
+        from scipy.spatial.transform import Rotation  # scipy loads slowly
 
         h = to_pixels @ _inverse(self._normal)
         if self._matrix is None:
@@ -119,7 +119,7 @@ def fit_plane(
     matrix: Floats | None,
     about: Floats | None = None,
 ) -> PlaneFit:
-    """Return the plane that fits best to ideal pixels and positions (mm), (N, 2) of each group.
+    """Return the plane that best fits ideal pixels and positions (mm), (N, 2) for each group.
 
     The matrix (3, 3) has focal lengths and centre of the camera (px); None = not known. `about` is
     a homography to begin with. ValueError: the points of the first group do not determine it.

@@ -1,4 +1,4 @@
-"""`calibrate_floor` and `calibrate_floor_by_sheets`: where the camera looks from."""
+"""`calibrate_floor` and `calibrate_floor_by_sheets`: the camera's view of the floor."""
 
 from __future__ import annotations
 
@@ -52,44 +52,43 @@ def calibrate_floor(
     names: Sequence[str] | None = None,
     picture: Pixels | Frame | None = None,
 ) -> FloorCalibration:
-    """Calibrate where a camera looks from, by marks on the floor whose places were measured.
+    """Calibrate a camera's view of the floor by marks with measured positions.
 
     Parameters
     ----------
     pixels : array (N, 2)
         Pixels (u, v) of four or more marks, well spread over the area.
     positions : array (N, 2)
-        Their places on the floor from the top left corner of the work area, x to the right and y
-        down as the camera sees it (mm).
+        Their positions on the floor (mm), from the top left corner of the work area. In the camera
+        picture, x points right and y down.
     area : tuple of int
         Width and height of the work area (px).
     mm_per_px : float
-        A px of the work area on the floor (mm).
+        Size of a work-area pixel on the floor (mm).
     marker_height : float
-        How high above the floor the robot's markers are (mm); needs a lens.
+        Height of the robot's markers above the floor (mm); requires a lens.
     lens : Calibration, optional
         The result of `calibrate_lens`. Default: the lens does not distort.
     size : tuple of int, optional
-        Width and height of the frames (px). Default: that of `picture` or `lens`.
+        Width and height of the frames (px). Default: the size of `picture` or `lens`.
     names : sequence of str, optional
-        What the marks are called; those of one name are one, and averaged. Default: by their
-        number, from 1.
+        Names of the marks; marks with the same name are averaged. Default: their numbers, from 1.
     picture : Frame or array (H, W, 3) of uint8, optional
-        An RGB picture of the floor. Floor sheets in it are kept in mind: see `sheet_shifts`.
+        An RGB picture of the floor. Its floor sheets are stored for `sheet_shifts`.
 
     Returns
     -------
     FloorCalibration
-        The calibration, and how well each mark fits. Of six or more, with a lens of five, one that
-        fits far worse than the others is left out, and named.
+        The calibration, and the fit of each mark. With six or more marks (five with a lens), a
+        mark that fits far worse than the others is left out and named.
 
     Raises
     ------
     ImportError
         If there is a picture, and OpenCV is not installed.
     TypeError, ValueError
-        If an argument has the wrong type or shape, too many marks lie on a line, or their order is
-        that of a mirrored floor.
+        If an argument has the wrong type or shape, or too many marks lie on a line. Also if their
+        order belongs to a mirrored floor.
 
     Examples
     --------
@@ -135,37 +134,36 @@ def calibrate_floor_by_sheets(
     mark: float = 80.0,
     places: Mapping[int, tuple[float, float]] | None = None,
 ) -> FloorCalibration:
-    """Calibrate where a camera looks from, by printed sheets that lie on the floor.
+    """Calibrate a camera's view of the floor by printed sheets on the floor.
 
-    The sheets may lie anywhere, turned by any angle; the more of the area they are spread over, the
-    better. Several pictures of the same floor are averaged.
+    The sheets may have any positions and angles; spread them over the whole area if possible.
+    Several pictures of the same floor are averaged.
 
     Parameters
     ----------
     pictures : iterable of Frame or array (H, W, 3) of uint8
-        RGB pictures of the floor, of a camera that stands still.
+        RGB pictures of the floor, from a stationary camera.
     area, mm_per_px, marker_height, lens
         As for `calibrate_floor`.
     mark : float
         Side of a mark on the sheets, measured on the print (mm).
     places : mapping of int to tuple of float, optional
-        Where the cross of a sheet lies from the top left corner of the work area, by the number of
-        the sheet (mm). Of two or more, the area's axes follow from them. Of one, they are those of
-        this sheet. Default: the sheet of the lowest number lies in the middle of the area, in its
-        axes.
+        Position of a sheet's cross from the top left corner of the work area (mm), by number.
+        Two or more positions determine the area's axes; with one, the axes are the sheet's.
+        Default: the sheet with the lowest number lies in the middle of the area, in its axes.
 
     Returns
     -------
     FloorCalibration
-        The calibration, and how well each sheet fits.
+        The calibration, and the fit of each sheet.
 
     Raises
     ------
     ImportError
         If OpenCV is not installed.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range, the pictures have different sizes, or
-        show no sheet, or not those that have a place.
+        If an argument has the wrong type or is out of range, or the pictures have different
+        sizes. Also if they show no sheet, or not the sheets in `places`.
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     check_size("area", area)
@@ -201,10 +199,10 @@ def calibrate_floor_by_corners(
     count: int = 1,
     moved: float = 0.0,
 ) -> FloorCalibration:
-    """Calibrate by the corners of sheets that were found, by their numbers.
+    """Calibrate by the corners of found sheets, by sheet number.
 
-    `size` is that of the pictures (px), `count` how many there were, and `moved` how far a corner
-    wandered from one to the next (px); all else is as for `calibrate_floor_by_sheets`.
+    `size` is the size of the pictures (px), `count` their number, and `moved` the motion of a
+    corner from picture to picture (px). For the rest, see `calibrate_floor_by_sheets`.
     """
     area = check_size("area", area)
     scale = check_mm_per_px(mm_per_px)
@@ -214,7 +212,7 @@ def calibrate_floor_by_corners(
     for number in where:
         if number not in sheets:
             raise ValueError(
-                f"places must be of sheets that are seen, got one of sheet {number}: seen are "
+                f"places must name visible sheets, got sheet {number}; visible: "
                 f"{listed(map(str, sheets))}"
             )
     numbers = sorted(sheets, key=lambda number: (number not in where, number))
@@ -257,7 +255,7 @@ def calibrate_floor_by_corners(
 
 
 def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration, tuple[int, int]]:
-    """Return the lens, of frames of this size; without one, it is a lens that is not known."""
+    """Return the lens for frames of this size; without a lens, an unknown lens."""
     check_kind("lens", lens, Calibration, or_none=True)
     if lens is None:
         if size is None:
@@ -269,7 +267,7 @@ def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration
 
 
 def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, list[str]]:
-    """Return pixels and positions of the marks, those of one name averaged, and the names."""
+    """Return pixels, positions and names of the marks; marks with the same name are averaged."""
     seen, places = as_float_array("pixels", pixels), as_float_array("positions", positions)
     for name, array in (("pixels", seen), ("positions", places)):
         if array.ndim != 2 or array.shape[1:] != (2,) or len(array) > _MOST_POINTS:
@@ -277,13 +275,13 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
         if not np.isfinite(array).all() or np.abs(array).max(initial=0) > 1e7:
             raise ValueError(f"{name} must be finite, and at most 1e7")
     if len(seen) != len(places):
-        raise ValueError(f"positions must be as many as pixels, got {len(places)} and {len(seen)}")
+        raise ValueError(f"positions and pixels must match, got {len(places)} and {len(seen)}")
     called = [str(n + 1) for n in range(len(seen))] if names is None else list(names)
     if len(called) != len(seen):
-        raise ValueError(f"names must be as many as pixels, got {len(called)} and {len(seen)}")
+        raise ValueError(f"names must have the length of pixels, got {len(called)} and {len(seen)}")
     groups = {name: [i for i, one in enumerate(called) if one == name] for name in called}
     if len(groups) < _FEWEST:
-        raise ValueError(f"pixels must be of {_FEWEST} marks or more, got {len(groups)}")
+        raise ValueError(f"pixels must have {_FEWEST} marks or more, got {len(groups)}")
     for name, rows in groups.items():
         if np.ptp(places[rows], axis=0).any():
             raise ValueError(f"positions must be one for each mark, got several of {quoted(name)}")
@@ -295,19 +293,19 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
 
 
 def _ideal(lens: Calibration, pixels: Floats) -> Floats:
-    """Return the pixels at which an ideal lens would show this."""
+    """Return the pixels of an ideal lens."""
     if lens.intrinsics is None:
         return pixels
     ideal: Floats = np.asarray(lens.intrinsics.ideal(pixels))
     if not np.isfinite(ideal).all():
-        raise ValueError("pixels must lie where the lens shows something")
+        raise ValueError("pixels must be inside the image of the lens")
     return ideal
 
 
 def _without_wrong(
     ideal: Floats, places: Floats, matrix: Floats | None, fit: PlaneFit
 ) -> tuple[int | None, PlaneFit]:
-    """Return the mark that does not fit the others, if there is one, and the fit without it."""
+    """Return the mark that does not fit the others, if any, and the fit of the others."""
     fits = []
     suspects = np.argsort(fit.gains())[::-1][:_MOST_SUSPECTS].tolist()
     for index in suspects:
@@ -342,7 +340,7 @@ def _calibration(
     marker_height: float,
     marks: Mapping[int, tuple[float, float]],
 ) -> Calibration:
-    """Return the calibration, without residuals as yet."""
+    """Return the calibration, still without residuals."""
     return Calibration(
         size=lens.size,
         region=lens.region,
@@ -387,7 +385,7 @@ def _report(
     count: int = 1,
     **others: Any,
 ) -> FloorCalibration:
-    """Return the report, and in it the calibration with its residuals."""
+    """Return the report, which contains the calibration with its residuals."""
     used = np.array([one.px for one in points if one.is_used])
     residuals = Residuals(
         rms=float(np.sqrt((used**2).mean())),
@@ -408,15 +406,15 @@ def _report(
 
 
 def _refuse_mirrored(pixels: Floats, places: Floats) -> None:
-    """Raise ValueError if x, y on the floor turn the other way than in the picture."""
+    """Raise ValueError if x, y on the floor are mirrored in the picture."""
     middle = pixels.mean(axis=0)
     # places = A (pixels - middle) + b, but for perspective
     known = np.column_stack([pixels - middle, np.ones(len(pixels))])
     about, *_ = np.linalg.lstsq(known, places, rcond=None)
     if np.linalg.det(about[:2]) < 0:
         raise ValueError(
-            "positions must turn as in the picture, x to the right and y down, got those of a "
-            "mirrored floor: is y counted upwards, or is it another order than that of the pixels?"
+            "positions must turn as in the picture, x to the right and y down, got a mirrored "
+            "floor: does y point upwards, or does their order differ from the pixels?"
         )
 
 
@@ -435,7 +433,7 @@ def _seen_sheets(
     if not pixels:
         raise ValueError(
             "pictures must show a floor sheet (robsim calibrate sheet --kind floor), got none in "
-            f"{count}: are its marks 15 px wide at least, sharp, and not hidden?"
+            f"{count}: its marks must be at least 15 px wide, sharp and visible"
         )
     moved = max(float(np.ptp(np.array(seen), axis=0).max()) for seen in pixels.values())
     sheets = {}
@@ -449,7 +447,7 @@ def _seen_sheets(
 
 
 def checked_places(places: Any) -> dict[int, tuple[float, float]]:
-    """Return places of sheets by their numbers (mm); none if there are none."""
+    """Return positions of sheets by their numbers (mm); may be empty."""
     if places is None:
         return {}
     if not isinstance(places, Mapping):
@@ -467,7 +465,7 @@ def checked_places(places: Any) -> dict[int, tuple[float, float]]:
 def _axes(
     fit: PlaneFit, numbers: Sequence[int], where: Mapping[int, tuple[float, float]]
 ) -> tuple[float, Floats, float]:
-    """Return angle and shift from the axes of the fit to those of the area, and the scale left."""
+    """Return angle and shift from the axes of the fit to the area's, and the remaining scale."""
     rows = [numbers.index(number) for number in where]
     targets = np.array(list(where.values()))
     if len(rows) > 1:

@@ -1,4 +1,4 @@
-"""What is known of a calibrated floor: a report with residuals, the worst one named."""
+"""The report of a calibrated floor: residuals, and the name of the worst point."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ _MANY = 8  # points; of fewer, a wrong one need not fit worst
 
 @dataclass(frozen=True)
 class FloorPoint:
-    """A point on the floor that a calibration was made from.
+    """A point on the floor, used for a calibration.
 
     Attributes
     ----------
     name : str
-        What it is called.
+        Its name.
     pixel : tuple of float
-        Where it is in the picture: (u, v).
+        Position in the picture: (u, v).
     place : tuple of float
-        Where it is on the floor, from the top left corner of the work area (mm).
+        Position on the floor, from the top left corner of the work area (mm).
     mm, px : float
-        How far off the map is there, on the floor (mm) and in the picture (px).
+        Deviation of the map on the floor (mm) and in the picture (px).
     is_used : bool
-        False: it does not fit the others, and was left out.
+        False: the point does not fit the others, and was left out.
 
     Examples
     --------
@@ -69,17 +69,17 @@ class FloorCalibration(Report):
     calibration : Calibration
         Lens and floor, as a value.
     points : tuple of FloorPoint
-        What it was made from.
+        The points of the calibration.
     expected_errors : array (4,)
-        Standard deviation of the map in the corners of the work area, from the top left one
-        clockwise, as the residuals let expect it (mm); NaN = nothing is left to tell.
+        Expected standard deviation of the map in the corners of the work area, clockwise from
+        the top left (mm). NaN = too few points for an estimate.
     places_off : mapping of int to float
-        How far the cross of each sheet is from its measured place (mm), by number.
+        Distance of each sheet's cross from its measured position (mm), by number.
     print_scale : float
-        By what the measured distances between sheets are larger than what the size of their marks
-        says.
+        Measured distances between sheets, divided by the distances expected from the size of
+        their marks.
     moved : float
-        How far a corner wandered from picture to picture (px).
+        Motion of a corner from picture to picture (px).
 
     Examples
     --------
@@ -101,24 +101,24 @@ class FloorCalibration(Report):
 
     @property
     def title(self) -> str:
-        """What was calibrated."""
+        """Name of the calibrated object."""
         return "Calibration of the floor"
 
     @property
     def rms(self) -> float:
-        """Root mean square distance of the points from where the map has them (px)."""
+        """Root mean square distance of the points from their mapped positions (px)."""
         residuals = self.calibration.floor_residuals
         assert residuals is not None  # of `calibrate_floor`
         return residuals.rms
 
     @property
     def rms_mm(self) -> float:
-        """The same on the floor (mm)."""
+        """Root mean square distance of the points on the floor (mm)."""
         return math.sqrt(float(np.mean([one.mm**2 for one in self._used])))
 
     @property
     def worst(self) -> FloorPoint:
-        """The point that fits worst."""
+        """The point with the worst fit."""
         return max(self.points, key=lambda one: one.px)
 
     @property
@@ -142,13 +142,13 @@ class FloorCalibration(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Residuals, and what they let expect."""
+        """Residuals and expected errors."""
         residuals = self.calibration.floor_residuals
         assert residuals is not None
         height = self.calibration.marker_height
         worst = (
             Quantity("worst", "worst", self.worst.name),
-            Quantity("worst_mm", "it is off by", self.worst.mm, "mm", ".1f"),
+            Quantity("worst_mm", "its deviation", self.worst.mm, "mm", ".1f"),
         )
         return (
             Quantity("rms", "rms", self.rms, "px", ".2f"),
@@ -168,7 +168,7 @@ class FloorCalibration(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The points, or the sheets with all of their corners together."""
+        """The points, or each sheet with all its corners."""
         columns = (
             Column("points", "points", unit=""),
             Column("mm", "off by", unit="mm", format=".1f"),
@@ -184,7 +184,7 @@ class FloorCalibration(Report):
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What is wrong, and what to do."""
+        """Problems and remedies."""
         return tuple(Problem(kind=kind, sentence=text) for kind, text in self._problems())
 
     def _problems(self) -> Iterator[tuple[str, str]]:
@@ -192,18 +192,17 @@ class FloorCalibration(Report):
             if not one.is_used:
                 yield (
                     "wrong point",
-                    f"point {one.name} is {one.mm:.0f} mm off and was left out: check its place "
+                    f"point {one.name} is {one.mm:.0f} mm off and was left out: check its position "
                     f"({one.place[0]:g}, {one.place[1]:g} mm) and its pixel",
                 )
         worst = max(self._used, key=lambda one: one.px)
         if self.rms > _RMS[0]:
             point = "" if worst.name.startswith("sheet") else "point "
             who = (
-                f"{point}{worst.name} fits worst, {worst.mm:.0f} mm off: check its place"
+                f"{point}{worst.name} fits worst, {worst.mm:.0f} mm off: check its position"
                 f"{self._others_hint}"
                 if self._tells_wrong
-                else f"one point of {len(self._used)} is wrong: a further point separates it from "
-                "all others"
+                else f"one point of {len(self._used)} is wrong: another one separates it from all others"
             )
             yield (
                 "rms",
@@ -223,26 +222,25 @@ class FloorCalibration(Report):
             if off > _PLACE:
                 yield (
                     "place",
-                    f"sheet {number} is {off:.0f} mm from its place: measure again where its cross "
-                    "is",
+                    f"sheet {number} is {off:.0f} mm off: measure the position of its cross again",
                 )
         if abs(self.print_scale - 1) > _SCALE:
             yield (
                 "print",
                 f"the sheets are {100 * abs(self.print_scale - 1):.1f} % farther "
                 f"{'apart' if self.print_scale > 1 else 'together'} than the size of their marks "
-                "says: were they printed at 100 %? Measure a mark, and give --mark",
+                "indicates: were they printed at 100 %? Measure a mark, and pass --mark",
             )
         if self.moved > _STILL:
             yield (
                 "moved",
-                f"the marks wandered by {self.moved:.1f} px from picture to picture: the camera "
-                "must stand still",
+                f"the marks moved by {self.moved:.1f} px from picture to picture: the camera "
+                "must be stationary",
             )
 
     @property
     def _tells_wrong(self) -> bool:
-        """Whether the points are enough to find a wrong one."""
+        """Whether there are enough points to identify a wrong one."""
         parameters = 8 if self.calibration.intrinsics is None else 6
         return 2 * len(self.points) - parameters >= TELLING
 
@@ -258,10 +256,10 @@ class FloorCalibration(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What could not be told."""
+        """Limits of the calibration."""
         said = []
         if np.isnan(self.expected_errors).any():
-            said.append("four points fit any map exactly: with more of them, a wrong one shows")
+            said.append("four points fit any map exactly: add points to reveal a wrong one")
         if self.calibration.intrinsics is None:
             said.append(
                 "without a lens, the height of the markers cannot be accounted for, and distortion "
@@ -269,7 +267,7 @@ class FloorCalibration(Report):
             )
         missing = self._unseen_corners()
         if missing:
-            said.append(f"the picture does not show the area's corner at the {listed(missing)}")
+            said.append(f"the picture lacks the area's corner at the {listed(missing)}")
         return tuple(said)
 
     def _unseen_corners(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""A calibration against a picture: its grid drawn, and whether floor sheets still lie there."""
+"""A check of a calibration against a picture: its grid, and the positions of floor sheets."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ def draw_grid(
 ) -> Pixels:
     """Return a picture with the grid of the work area drawn on it.
 
-    Yellow lies on the floor, with its numbers; blue, if the markers have a height, as high as they
-    are. On the floor, tiles and marks must lie on the yellow lines.
+    Yellow lines lie on the floor, with numbers; blue lines, if any, are at the markers' height.
+    On the floor, tiles and marks must lie on the yellow lines.
 
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
         RGB picture of the calibrated camera.
     calibration : Calibration
-        With a floor.
+        A calibration with a floor.
     step : float, optional
-        Distance of the lines (mm; px of the work area if its scale is not known). Default: a round
-        number that gives some eight lines.
+        Distance of the lines (mm; work-area px if the scale is not known). Default: a round
+        number that gives about eight lines.
 
     Returns
     -------
@@ -52,14 +52,13 @@ def draw_grid(
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type, the calibration has no floor, or is of frames of another
-        size.
+        If an argument has the wrong type, or the calibration has no floor or another frame size.
     """
     pixels = frame_pixels("image", image)
     check_kind("calibration", calibration, Calibration)
     step = None if step is None else check_float("step", step, "mm", exclusive_minimum=0)
     calibration.check_frames(check_size("size of image", frame_size(pixels)))
-    above = calibration.plane_map  # refuses a calibration without a floor
+    above = calibration.plane_map  # raises for a calibration without a floor
     floor, area = calibration.floor, calibration.area
     assert floor is not None
     assert area is not None
@@ -78,7 +77,7 @@ def draw_grid(
 
 
 def grid_step(calibration: Calibration) -> float:
-    """Return a round distance of lines that gives some eight across the area (mm, or px)."""
+    """Return a round distance of lines, about eight across the area (mm, or px)."""
     assert calibration.area is not None
     about = max(calibration.area) * (calibration.mm_per_px or 1.0) / _LINES
     power = 10.0 ** math.floor(math.log10(about))
@@ -154,7 +153,7 @@ class _Drawing:
         self._draw.text((x + pad - left, y + pad - top), text, font=self._font, fill=(*_FLOOR, 255))
 
     def legend(self, calibration: Calibration, step: float) -> None:
-        """Say what the lines are, at the bottom."""
+        """Write a legend of the lines at the bottom."""
         unit = "mm" if calibration.mm_per_px else "px"
         said = f"yellow: the floor, every {step:g} {unit}"
         if calibration.marker_height:
@@ -172,7 +171,7 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 def _runs(pixels: Floats, size: tuple[int, int]) -> list[tuple[int, int]]:
-    """Return where a line is in the picture, or near it: no lens shows what is far outside."""
+    """Return the parts of a line in or near the picture: far outside, a lens is undefined."""
     margin = np.array(size) * 0.5
     is_near = ((pixels > -margin) & (pixels < size + margin)).all(axis=1)  # NaN is not
     return [(start, end) for start, end in runs_of(is_near) if end - start > 1]
@@ -183,7 +182,7 @@ SHIFTS = (1.0, 3.0)
 
 
 def mark_middles(sheets: Mapping[int, Corners], mark: float) -> dict[int, tuple[float, float]]:
-    """Return where the middles of the marks of sheets are in a picture (px), by their numbers."""
+    """Return the centres of the marks of sheets in a picture (px), by number."""
     middles = {}
     for sheet, seen in sheets.items():
         for number, positions in FloorSheet(sheet, mark).corners().items():
@@ -195,35 +194,35 @@ def mark_middles(sheets: Mapping[int, Corners], mark: float) -> dict[int, tuple[
 
 
 def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, float]:
-    """Return by how far floor sheets lie from where they were when a camera was calibrated.
+    """Return the distance of floor sheets from their positions during a calibration.
 
-    A sheet that stays where it lies, beside where the robot drives, shows whether the camera was
-    moved, turned or zoomed since.
+    A sheet that stays beside the robot's area reveals whether the camera was moved, turned or
+    zoomed since.
 
     Parameters
     ----------
     image : Frame or array (H, W, 3) of uint8
-        RGB.
+        RGB picture.
     calibration : Calibration
-        That of the camera.
+        The camera's calibration.
 
     Returns
     -------
     dict of int to float
-        The median distance of its marks from where they were (px of the frame), by the number of
-        the sheet; of those sheets that the picture shows, and that the calibration was made with.
+        The median distance of a sheet's marks from their calibrated positions (frame px), by sheet
+        number. Only visible sheets that the calibration used.
 
     Raises
     ------
     ImportError
         If OpenCV is not installed.
     TypeError, ValueError
-        If an argument has another type, or the picture another size.
+        If an argument has the wrong type, or the picture another size.
     """
     check_kind("calibration", calibration, Calibration)
     pixels = frame_pixels("image", image)
     calibration.check_frames(check_size("size of image", frame_size(pixels)))
-    off: dict[int, float] = {}  # by the mark; of two of one number the nearer one counts
+    off: dict[int, float] = {}  # by mark; the nearer of two marks with the same number counts
     for number, corners in find_marks(pixels) if calibration.marks else ():
         if number in calibration.marks:
             distance = np.linalg.norm(corners.mean(axis=0) - calibration.marks[number])
@@ -236,7 +235,7 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
 
 
 def single_marks(image: Pixels) -> dict[int, tuple[float, float]]:
-    """Return the middles of the marks that a picture shows once (px), by their numbers."""
+    """Return the centres of the marks that a picture shows once (px), by number."""
     found = find_marks(image)
     counts = Counter(number for number, _ in found)
     middles = {}
@@ -248,7 +247,7 @@ def single_marks(image: Pixels) -> dict[int, tuple[float, float]]:
 
 
 def remedy_of_shifts(shifts: Mapping[int, float]) -> str:
-    """Return why sheets may lie elsewhere, and what to do; empty if they lie where they did."""
+    """Return why sheets may have moved, and the remedy; empty if they have not."""
     moved = [sheet for sheet, shift in shifts.items() if shift > SHIFTS[0]]
     if not moved:
         return ""
@@ -258,7 +257,7 @@ def remedy_of_shifts(shifts: Mapping[int, float]) -> str:
         said = f"floor sheets {listed(map(str, moved))} are not where the calibration saw them"
     if len(moved) < len(shifts):
         return (
-            f"{said}, the others are: lay back what was moved; or, if it was the camera, calibrate "
+            f"{said}, the others are: put the sheets back or, if the camera moved, calibrate "
             "the floor again (robsim calibrate floor)"
         )
     return (

@@ -28,7 +28,7 @@ from robsim.vision.imaging.video import load_opencv
 
 
 def images_of(pictures: Any, names: Sequence[str] | None = None) -> Iterator[Pixels]:
-    """Yield the pixels of pictures of one size, one at least; raise TypeError or ValueError."""
+    """Yield the pixels of at least one picture, all of one size; raise TypeError or ValueError."""
     is_single = isinstance(pictures, (Frame, str, bytes, dict)) or (
         isinstance(pictures, np.ndarray) and pictures.ndim < 4
     )
@@ -65,11 +65,11 @@ _FAR = 6.0  # of a robust standard deviation: a corner that was found in a wrong
 _LEAST_FAR = 0.5  # px
 _OUTLIER = 3.0  # of the median rms: a picture that does not fit the others
 _LEAST_OUTLIER = 0.4  # px
-_BENT = 0.4  # of the variance that is left without it: a picture that bends all others
+_BENT = 0.4  # of the variance that remains after removing a picture that distorts the fit.
 _LEAST_BENT = 0.1  # px
 _SUSPECTS = 3  # pictures that fit worst
-_LEVEL = 1e-3  # at which a third coefficient is worth having
-_REACH = 0.75  # of the half diagonal, up to which corners must be for it
+_LEVEL = 1e-3  # for adding a third coefficient
+_REACH = 0.75  # of the half diagonal, required radius of corners for this
 
 
 def calibrate_lens(
@@ -78,22 +78,22 @@ def calibrate_lens(
     *,
     names: Sequence[str] | None = None,
 ) -> LensCalibration:
-    """Calibrate a lens by pictures of a board, held in different places and at different tilts.
+    """Calibrate a lens by pictures of a board, at different positions and tilts.
 
     Parameters
     ----------
     pictures : iterable of Frame or array (H, W, 3) of uint8
-        RGB pictures of one size: ten or more, in which the board is tilted by 20 to 45 degrees, and
-        comes into all corners of the picture.
+        RGB pictures of one size: ten or more, with the board tilted by 20 to 45 degrees, and
+        reaching all corners of the picture.
     board : Chessboard or Charuco
-        What they show.
+        The board in the pictures.
     names : sequence of str, optional
-        What the pictures are called. Default: by their number, from 1.
+        Names of the pictures. Default: their numbers, from 1.
 
     Returns
     -------
     LensCalibration
-        The lens, how well it fits each picture, and what is missing.
+        The lens, the fit of each picture, and missing coverage.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def calibrate_lens(
     -----
     Source: Z. Zhang, A flexible new technique for camera calibration, IEEE Transactions on Pattern
     Analysis and Machine Intelligence 22(11), 2000; by OpenCV, with two radial and two tangential
-    coefficients, and a third radial one where the pictures determine it.
+    coefficients, and a third radial coefficient if the pictures determine it.
     """
     cv2 = load_opencv("calibrating a lens")
     if not isinstance(board, (Chessboard, Charuco)):
@@ -115,7 +115,7 @@ def calibrate_lens(
     size, views, missing = _views(pictures, board, checked_names(names))
     if len(views) < FEWEST:
         raise ValueError(
-            f"pictures must show the whole board in {FEWEST} at least, got {len(views)} of "
+            f"at least {FEWEST} pictures must show the whole board, got {len(views)} of "
             f"{len(views) + len(missing)}: "
             + (f"{said_missing(missing)}; {why_missing(board)}" if missing else "take 10 to 20")
         )
@@ -123,7 +123,7 @@ def calibrate_lens(
 
 
 def why_missing(board: Chessboard | Charuco) -> str:
-    """Return what to look at where no board is found."""
+    """Return hints for pictures without a board."""
     unit = "squares" if isinstance(board, Charuco) else "inner corners"
     return (
         f"is it a board of {board.columns} x {board.rows} {unit}, sharp, evenly lit, with white "
@@ -133,7 +133,7 @@ def why_missing(board: Chessboard | Charuco) -> str:
 
 @dataclass
 class View:
-    """A picture in which the board was found."""
+    """A picture with a board."""
 
     name: str
     corners: Corners
@@ -142,7 +142,7 @@ class View:
 
 @dataclass(frozen=True)
 class Fit:
-    """What OpenCV made of the views that are used."""
+    """OpenCV's calibration from the used views."""
 
     matrix: Floats
     distortion: Floats
@@ -163,12 +163,12 @@ class Fit:
 def _views(
     pictures: Iterable[Any], board: Chessboard | Charuco, names: Sequence[str] | None
 ) -> tuple[tuple[int, int], list[View], dict[str, str]]:
-    """Return the size of the pictures, those with a board, and why the others show none."""
+    """Return the size of the pictures, the views with a board, and reasons for the others."""
     size = (0, 0)
     views, missing = [], {}
     for number, image in enumerate(images_of(pictures, names)):
         if names is not None and number >= len(names):
-            raise ValueError(f"names must be as many as pictures, got {len(names)}")
+            raise ValueError(f"names must have the length of pictures, got {len(names)}")
         name = str(number + 1) if names is None else names[number]
         size = frame_size(image)
         corners = board.find(image)
@@ -182,7 +182,7 @@ def _views(
 def lens_of_views(
     cv2: Any, size: tuple[int, int], views: list[View], missing: Mapping[str, str]
 ) -> LensCalibration:
-    """Calibrate a lens by `FEWEST` views or more; the views are changed by it."""
+    """Calibrate a lens by at least `FEWEST` views; this changes the views."""
     fit = _fit(cv2, size, views)
     if _drop_far_corners(views, fit):
         fit = _fit(cv2, size, views)
@@ -230,7 +230,7 @@ def _picture(cv2: Any, view: View, fit: Fit, fitted: Any) -> BoardPicture:
 
 
 def _seen_alone(cv2: Any, view: View, fit: Fit) -> tuple[Floats, Floats]:
-    """Return how far off (px) a picture is that was not used, and the rotation of its board."""
+    """Return the deviation (px) of an unused picture, and the rotation of its board."""
     points = _in_space(view.corners)
     _, rotation, place = cv2.solvePnP(points, view.corners.pixels, fit.matrix, fit.distortion)
     seen, _ = cv2.projectPoints(points, rotation, place, fit.matrix, fit.distortion)
@@ -264,7 +264,7 @@ def _fit(cv2: Any, size: tuple[int, int], views: list[View], *, with_k3: bool = 
 
 
 def _drop_far_corners(views: list[View], fit: Fit) -> bool:
-    """Leave out corners that were found in a wrong place; return whether there were some."""
+    """Leave out corners found in wrong positions; return whether there were any."""
     dropped = False
     for view, errors in zip(views, fit.errors, strict=True):
         distances = np.linalg.norm(errors, axis=1)
@@ -280,13 +280,13 @@ def _drop_far_corners(views: list[View], fit: Fit) -> bool:
 def _without_outliers(
     cv2: Any, size: tuple[int, int], views: list[View], fit: Fit
 ) -> tuple[list[View], Fit]:
-    """Leave out pictures that do not fit the others, as long as enough others are left."""
+    """Leave out pictures that do not fit the others, while enough pictures remain."""
     used = views
     while len(used) > FEWEST:
         rms = np.array([np.sqrt((errors**2).sum(axis=1).mean()) for errors in fit.errors])
         limit = max(_OUTLIER * float(np.median(rms)), _LEAST_OUTLIER)
         suspects = np.argsort(rms)[::-1][:_SUSPECTS].tolist()
-        # One that bends the whole fit need not have the largest rms.
+        # A picture that distorts the whole fit need not have the largest rms.
         fits = [_fit(cv2, size, [*used[:one], *used[one + 1 :]]) for one in suspects]
         best = min(range(len(fits)), key=lambda one: fits[one].variance)
         bends = fit.variance > _LEAST_BENT**2 and fits[best].variance < _BENT * fit.variance
@@ -300,7 +300,7 @@ def _without_outliers(
 
 
 def _with_k3(cv2: Any, size: tuple[int, int], views: list[View], fit: Fit) -> tuple[Fit, bool]:
-    """Return the fit with a third radial coefficient where the pictures determine it."""
+    """Return the fit with a third radial coefficient if the pictures determine it."""
     middle = (np.array(size) - 1) / 2
     pixels = np.concatenate([view.corners.pixels for view in views])
     reach = np.linalg.norm(pixels - middle, axis=1).max() / np.linalg.norm(middle)
@@ -310,16 +310,16 @@ def _with_k3(cv2: Any, size: tuple[int, int], views: list[View], fit: Fit) -> tu
     free = 2 * len(pixels) - 9 - 6 * len(views)
     if free < 1 or more.squares >= fit.squares:
         return fit, False
-    from scipy.special import fdtri  # it costs a tenth of a second
+    from scipy.special import fdtri  # loading takes 0.1 s
 
-    # F = (SSE - SSE3) / (SSE3 / (n - p)): of a coefficient that is nothing, F(1, n - p)
+    # F = (SSE - SSE3) / (SSE3 / (n - p)): for a coefficient of zero, F(1, n - p)
     gain = (fit.squares - more.squares) / (more.squares / free)
     is_worth_it = gain > fdtri(1, free, 1 - _LEVEL) and _is_monotonic(more, size)
     return (more, True) if is_worth_it else (fit, False)
 
 
 def _is_monotonic(fit: Fit, size: tuple[int, int]) -> bool:
-    """Return whether the lens folds nothing over up to the corners of the picture."""
+    """Return whether the lens is invertible up to the corners of the picture."""
     corner = np.maximum(fit.matrix[:2, 2], np.array(size) - fit.matrix[:2, 2])
     r = np.linspace(0, 1.2 * np.linalg.norm(corner / fit.matrix.diagonal()[:2]), 200)
     k1, k2, _, _, k3 = fit.distortion

@@ -1,4 +1,4 @@
-"""What is known of a calibrated lens: a report with residuals, coverage, and what is missing."""
+"""The report of a calibrated lens: residuals, coverage, and missing pictures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _WORDS = (
     ("left", "centre", "right"),
     ("bottom left", "bottom", "bottom right"),
 )
-_PICTURES = 8  # below it the lens is poorly determined
+_PICTURES = 8  # with fewer, the lens is poorly determined
 _RMS = (0.5, 1.5)  # px: good, poor
 _TILT = np.radians(15)
 _TILTED = 3  # pictures
@@ -40,7 +40,7 @@ def said_missing(missing: Mapping[str, str]) -> str:
 
 
 def parts_without(coverage: NDArray[np.int64]) -> tuple[str, ...]:
-    """Return the parts of a picture without corners; the middle one has four cells."""
+    """Return the parts of a picture without corners; the middle part has four cells."""
     thirds = ([0], [1, 2], [3])
     return tuple(
         word
@@ -52,20 +52,20 @@ def parts_without(coverage: NDArray[np.int64]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class BoardPicture:
-    """A picture in which the board was found.
+    """A picture with a board.
 
     Attributes
     ----------
     name : str
-        What it is called.
+        Its name.
     corners : int
         Number of corners found.
     rms, worst : float
-        Root mean square and largest distance of the corners from where the lens has them (px).
+        Root mean square and largest distance of the corners from their expected positions (px).
     tilt : float
         Angle between the board and the picture (rad).
     is_used : bool
-        False: it does not fit the others, and was left out.
+        False: the picture does not fit the others, and was left out.
     """
 
     name: str
@@ -83,13 +83,13 @@ class LensCalibration(Report):
     Attributes
     ----------
     calibration : Calibration
-        The lens, as a value; without a floor as yet.
+        The lens, as a value, without a floor.
     pictures : tuple of BoardPicture
-        Those with a board.
+        The pictures with a board.
     missing : mapping of str to str
-        Why the others show none: a few words, by the name of the picture.
+        Reasons for pictures without a board: a few words, by name of the picture.
     deviations : array (9,)
-        Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3; 0 = it was not fitted.
+        Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3; 0 = not fitted.
     has_k3 : bool
         Whether the pictures determine a third radial coefficient.
     coverage : array (4, 4) of int
@@ -105,12 +105,12 @@ class LensCalibration(Report):
 
     @property
     def title(self) -> str:
-        """What was calibrated."""
+        """Name of the calibrated object."""
         return "Calibration of the lens"
 
     @property
     def rms(self) -> float:
-        """Root mean square distance of the corners from where the lens has them (px)."""
+        """Root mean square distance of the corners from their expected positions (px)."""
         residuals = self.calibration.lens_residuals
         assert residuals is not None  # of `calibrate_lens`
         return residuals.rms
@@ -122,14 +122,14 @@ class LensCalibration(Report):
 
     @property
     def verdict(self) -> str:
-        """``"good"``, ``"poor"``: more pictures are needed; or ``"bad"``."""
+        """``"good"``, ``"poor"`` (more pictures are required) or ``"bad"``."""
         if self.rms > _RMS[1] or self._focal_deviation > _FOCAL[1]:
             return "bad"
         return "poor" if self.problems else "good"
 
     @property
     def _focal_deviation(self) -> float:
-        """Standard deviation of the focal length, relative to it."""
+        """Relative standard deviation of the focal length."""
         assert self.calibration.intrinsics is not None
         focal = np.diag(self.calibration.intrinsics.matrix)[:2]
         return float((self.deviations[:2] / focal).max())
@@ -175,7 +175,7 @@ class LensCalibration(Report):
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What is missing, and what to do."""
+        """Missing coverage and other problems, with remedies."""
         return tuple(Problem(kind=kind, sentence=text) for kind, text in self._problems())
 
     def _problems(self) -> Iterator[tuple[str, str]]:
@@ -187,7 +187,7 @@ class LensCalibration(Report):
                 "--square measured, the picture sharp, and the zoom locked?",
             )
         if len(used) < _PICTURES:
-            yield "pictures", f"{len(used)} pictures are few: take {_PICTURES} to 20"
+            yield "pictures", f"{len(used)} pictures are not enough: take {_PICTURES} to 20"
         if parts := listed(self.empty_parts):
             yield "coverage", f"no corners at the {parts} of the picture: move the board there"
         if sum(one.tilt > _TILT for one in used) < _TILTED:
@@ -199,14 +199,14 @@ class LensCalibration(Report):
         elif self._focal_deviation > _FOCAL[0]:
             yield (
                 "focal length",
-                f"the focal length is known to {100 * self._focal_deviation:.1f} % only: take more "
+                f"the focal length is only known to {100 * self._focal_deviation:.1f} %: take more "
                 "pictures, closer and at larger tilts",
             )
         if outliers := [one.name for one in self.pictures if not one.is_used]:
             yield (
                 "outlier",
                 f"{listed(outliers)} does not fit the others and was left out: was it blurred by "
-                "motion, or the zoom another one?",
+                "motion, or was the zoom changed?",
             )
 
     @property

@@ -1,4 +1,4 @@
-"""Floor sheets as a picture shows them: their marks may be measured later than they are found."""
+"""Floor sheets in a picture; the size of their marks may be measured later."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SeenSheets:
         return cls(frame_size(image), mark, find_sheets(image, mark))
 
     def with_mark(self, mark: float) -> SeenSheets:
-        """Return the same of sheets whose marks have another side (mm)."""
+        """Return the same sheets with another side of the marks (mm)."""
         if mark == self.mark:
             return self
         corners = {
@@ -40,7 +40,7 @@ class SeenSheets:
         return replace(self, mark=mark, corners=corners)
 
     def floor(self, **options: Any) -> FloorCalibration:
-        """Return the calibration by these sheets, one at least; options as `calibrate_floor`."""
+        """Return the calibration by at least one sheet; options as for `calibrate_floor`."""
         where = {
             number: (x, y)
             for number, (x, y) in self.places.items()
@@ -52,7 +52,7 @@ class SeenSheets:
 
 
 def _resized(number: int, seen: Corners, before: float, mark: float) -> Corners:
-    """Return the corners of a sheet whose marks have another side."""
+    """Return the corners of a sheet with another side of the marks."""
     old, new = (
         np.concatenate([*FloorSheet(number, side).corners().values()]) for side in (before, mark)
     )

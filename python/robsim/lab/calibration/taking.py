@@ -1,4 +1,4 @@
-"""Pictures of a board, worth taking where it stands still somewhere new, and a lens by them."""
+"""The choice of useful pictures of a board, and the lens from these pictures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NEW = 0.06  # of the diagonal: how far the corners are from those of all other 
 
 
 class BoardTaker:
-    """Decides which frames of a board by a live camera, of a size in px, are worth keeping."""
+    """Chooses useful frames of a board from a live camera, of a size in px."""
 
     def __init__(self, board: Chessboard | Charuco, size: tuple[int, int]) -> None:
         self.board, self._size = board, size
@@ -28,11 +28,11 @@ class BoardTaker:
         self._kept: list[Corners] = []
 
     def takes(self, image: Any) -> bool:
-        """Return whether the board stands still in a frame, in a place that is new."""
+        """Return whether the board in a frame rests in a new position."""
         return self.look(image) is not None
 
     def look(self, image: Any) -> Corners | None:
-        """Return the corners of a board that stands still in a frame, in a place that is new."""
+        """Return the corners of a board that rests in a new position; otherwise None."""
         corners = self.board.find(image)
         last, self._last = self._last, corners
         if corners is None or last is None or _moved(last, corners) > _STILL:
@@ -49,7 +49,7 @@ class BoardTaker:
 
 
 def _empty_parts(seen: Iterable[Corners], size: tuple[int, int]) -> tuple[str, ...]:
-    """Return the parts of pictures of a size (px) that no board has reached; none of no boards."""
+    """Return the parts of pictures of a size (px) without a board; empty before the first board."""
     pixels = [one.pixels for one in seen]
     return parts_without(coverage_of(size, np.concatenate(pixels))) if pixels else ()
 
@@ -66,11 +66,11 @@ class BoardPictures:
         return len(self.corners)
 
     def may_show(self, board: Chessboard | Charuco) -> bool:
-        """Return whether a board is this one, but for the side of its squares."""
+        """Return whether a board differs at most in the side of its squares."""
         return replace(self.board, square=board.square) == board
 
     def of(self, board: Chessboard | Charuco) -> BoardPictures:
-        """Return the same of another board; ValueError if these pictures show this one."""
+        """Return the pictures for another board; ValueError if they do not show this board."""
         if board == self.board:
             return self
         if self.may_show(board):
@@ -78,20 +78,18 @@ class BoardPictures:
             seen = {name: _resized(one, scale) for name, one in self.corners.items()}
             return replace(self, board=board, corners=seen)
         if len(self):
-            raise ValueError(
-                f"the pictures that were taken show another board: {self.remove_first}"
-            )
+            raise ValueError(f"the pictures taken so far show another board: {self.remove_first}")
         return BoardPictures(board)
 
     def with_picture(
         self, name: str, size: tuple[int, int], corners: Corners, board: Chessboard | Charuco
     ) -> BoardPictures:
-        """Return them with another picture, its corners found or not; ValueError: another size."""
+        """Add a picture, with or without found corners; ValueError for another size."""
         if len(self) and size != self.size:
             (width, height), (other_width, other_height) = self.size, size
             raise ValueError(
                 f"the pictures of the board are {width} x {height}; this one is {other_width} x "
-                f"{other_height}: {self.remove_first}, or take others of that size"
+                f"{other_height}: {self.remove_first}, or take pictures of that size"
             )
         names = itertools.chain([name], (f"{name} ({n})" for n in itertools.count(2)))
         free = next(one for one in names if one not in self.corners)
@@ -99,7 +97,7 @@ class BoardPictures:
         return BoardPictures(self.board, size, seen)
 
     def without(self, number: int) -> BoardPictures:
-        """Return them without one, by its place, from 0."""
+        """Remove a picture by its position, from 0."""
         return replace(
             self,
             corners={
@@ -109,33 +107,31 @@ class BoardPictures:
 
     @property
     def remove_first(self) -> str:
-        """The remedy for other pictures that do not fit: remove these first."""
+        """The remedy for pictures of another board or size."""
         count = len(self)
         return "remove the picture first" if count == 1 else f"remove the {count} pictures first"
 
     @property
     def lacking(self) -> str:
-        """How many more are needed for a lens; empty: they are enough."""
+        """The number of missing pictures for a lens, as a text; empty if there are enough."""
         missing = FEWEST - len(self)
         if missing <= 0:
             return ""
         more = "a picture" if missing == 1 else f"{missing} pictures"
-        return f"take {more} more of the board: {FEWEST} are needed, 10 to 20 are better"
+        return f"take {more} more of the board: {FEWEST} are required, 10 to 20 are better"
 
     @property
     def empty_parts(self) -> tuple[str, ...]:
         return _empty_parts(self.corners.values(), self.size)
 
     def lens(self) -> LensCalibration:
-        """Return the lens by them; ValueError if it could not be calibrated."""
+        """Return the lens from these pictures; ValueError if the calibration fails."""
         cv2 = load_opencv("calibrating a lens")
         views = [View(*one) for one in self.corners.items()]
         try:
             return lens_of_views(cv2, self.size, views, {})
         except (ValueError, cv2.error) as error:
-            raise ValueError(
-                f"the lens could not be calibrated by these pictures: {error}"
-            ) from error
+            raise ValueError(f"these pictures do not calibrate the lens: {error}") from error
 
 
 def _resized(corners: Corners, scale: float) -> Corners:
@@ -143,7 +139,7 @@ def _resized(corners: Corners, scale: float) -> Corners:
 
 
 def _moved(one: Corners, other: Corners) -> float:
-    """Return how far the corners that both show are apart (px), on the mean."""
+    """Return the mean distance of the corners visible in both (px)."""
     places = {
         tuple(place): pixel for place, pixel in zip(one.positions.tolist(), one.pixels, strict=True)
     }

@@ -1,4 +1,4 @@
-"""Live cameras: the newest frame of a camera, a stream or a file played at its own rate."""
+"""Live cameras: the newest frame of a camera, a stream, or a file at its own rate."""
 
 from robsim.lab.cameras.camera import Camera, CameraCounts
 from robsim.lab.cameras.errors import (

@@ -1,4 +1,4 @@
-"""The class `Camera`: the newest frame of a source that runs by itself."""
+"""The class `Camera`: the newest frame of a continuous source."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ _LAST_PATIENCE = 6.0  # s at the end of the interpreter, longer than a stalled s
 
 @dataclass(frozen=True)
 class CameraCounts:
-    """What has become of the frames of a camera.
+    """The counts of a camera's frames.
 
     Attributes
     ----------
     grabbed : int
-        Complete frames that came.
+        Complete frames received.
     delivered : int
-        Those that a reader took.
+        Frames taken by a reader.
     dropped : int
-        Frames that a newer one replaced before a reader took them, and old ones of a stream.
+        Frames replaced by a newer one before a reader took them, and old frames of a stream.
     torn : int
-        Torn or short ones, which no reader gets.
+        Torn or short frames, which no reader receives.
     timeouts : int
-        Waits of `frame_timeout` in which none came.
+        Waits of `frame_timeout` without a frame.
     reopened : int
-        Times that the camera was opened again.
+        Number of times that the camera was opened again.
     """
 
     grabbed: int = 0
@@ -62,68 +62,65 @@ class CameraCounts:
 
 
 class Camera(Closing):
-    """A live camera, as an iterable of frames: the newest one each time, and none twice.
+    """A live camera, as an iterable of frames: each time the newest frame, never the same twice.
 
-    A native thread reads the camera all the time and keeps its newest frame, so that a slow reader
-    sees what is there now, and not what was seconds ago. What nobody reads in time is dropped, and
-    counted. A file is played at its own rate in the same way: `Recording` gives all of its
-    frames, each when it is asked for.
+    A native thread reads the camera all the time and keeps its newest frame, so that even a slow
+    reader gets a current frame. Frames that no reader takes in time are dropped and counted. A
+    file plays at its own rate in the same way; `Recording` returns all of its frames on request.
 
     Parameters
     ----------
     source : int, str or path
-        Number of a camera (of ``/dev/video0``: 0); an address such as
-        ``"http://camera.local/video.mjpg"``, ``"rtsp://camera.local/stream"``,
-        ``"gige://192.168.1.20"`` (or a serial number or name: a GigE Vision camera), or
-        ``"firewire://"`` (the first camera on FireWire; ``"firewire://1"`` is the second one, and
-        16 digits stand for a certain one); a video file or a folder of images; or an object of
-        robsim that is a camera.
+        Number of a camera (0 for ``/dev/video0``), an address, a video file, a folder of images,
+        or a camera object of robsim. Addresses are ``"http://camera.local/video.mjpg"``,
+        ``"rtsp://camera.local/stream"``, and ``"gige://192.168.1.20"`` (or a serial number or
+        name) for GigE Vision. ``"firewire://"`` is the first camera on FireWire,
+        ``"firewire://1"`` the second one, and 16 digits name a specific camera.
     back_end : str, optional
-        The reader. Of an address: ``"http"``, which reads MJPEG, tells torn images from whole ones,
-        and logs in by ``http://user:password@host`` where the camera requires it; or ``"ffmpeg"``
-        or ``"gstreamer"`` of OpenCV. Of a number: ``"v4l2"``, ``"msmf"``, ``"dshow"``,
+        The reader. For an address: ``"http"``, which reads MJPEG, detects torn images, and logs in
+        by ``http://user:password@host`` if the camera requires it; or ``"ffmpeg"`` or
+        ``"gstreamer"`` of OpenCV. For a number: ``"v4l2"``, ``"msmf"``, ``"dshow"``,
         ``"avfoundation"`` or ``"gstreamer"``. Default: HTTP for ``http://``, FFmpeg for other
-        addresses, and for a number the one of the operating system.
+        addresses, and for a number the operating system's back end.
     plane_map : PlaneMap, optional
         Map from frame pixels to the work area. Default: the frames show exactly the whole area,
         seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: that of the calibration, or the size of the
-        frames.
+        Width and height of the work area (px). Default: the calibration's area, or the size of
+        the frames.
     size : tuple of int, optional
-        Width and height of the frames (px), asked of a camera by number, on FireWire or on GigE.
-        Frames of another size are an error. Default: that of the calibration, or the camera's own.
+        Width and height of the frames (px), requested from a camera by number, on FireWire or on
+        GigE. Frames of another size are an error. Default: the calibration's or camera's size.
     region : tuple of int, optional
-        Left, top, width and height of the part of the sensor that is sent (px): on FireWire, by
-        its format 7, and on GigE. Default: all of it; on GigE as the camera has it.
+        Left, top, width and height of the transmitted part of the sensor (px): on FireWire, by
+        its format 7, and on GigE. Default: the whole sensor; on GigE the camera's setting.
     fps : float, optional
-        Frames per second: asked of a camera by number, on FireWire or on GigE; that of another
-        address, which tells none; the rate at which a folder is played. Default: that of the file;
-        on FireWire 30, or the next lower one that the camera, and the bus, can have; on GigE that
-        which the camera has; otherwise `dt` is unknown. On FireWire and GigE a warning names
-        another rate than the required one, and `dt` has it. A run warns of any camera that sends a
-        half, a third or less of it.
+        Frames per second: requested from a camera by number, on FireWire or on GigE; the rate of
+        an address without its own rate; or the playback rate of a folder. Default: for a file its
+        rate, on FireWire 30 or the next lower rate of camera and bus, on GigE the camera's
+        rate. Otherwise `dt` is unknown. On FireWire and GigE a warning names a rate that
+        differs from the required one, and `dt` has it. A run warns of any camera that sends half
+        of it or less.
     coding : str, optional
-        How a camera codes its pixels: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
+        The camera's pixel coding: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,
         ``"yuv422"``, ``"mono8"``. Default: the first of these that it has at that rate. ``raw8``
         comes from behind a Bayer filter.
     features : CameraFeatures, optional
-        Exposure, gain, white balance and the like, on FireWire and on GigE. Default: all as they
-        are, and none automatic.
+        Exposure, gain, white balance and similar, on FireWire and on GigE. Default: the camera's
+        current values, without automatic control.
     every : int
-        Only each n-th frame is handed over.
+        Deliver only every n-th frame.
     open_timeout : float
         Maximum wait for the first frame (s).
     frame_timeout : float
         Maximum wait for each other frame (s).
     reopen : bool
-        Whether a camera that is unplugged, or from which nothing has come for three
-        `frame_timeout`, is opened again, with pauses of 0.5 s to 5 s; meanwhile reading it ends
-        in FrameTimeoutError.
+        Whether to open a camera again that is unplugged, or sends nothing for three
+        `frame_timeout`, with pauses of 0.5 s to 5 s. Reading then ends in FrameTimeoutError.
     calibration : Calibration or path, optional
-        That of the camera, in place of `plane_map`: see `robsim.vision.load_calibration`. Frames
-        of another size are refused.
+        The camera's calibration, instead of `plane_map`: see `robsim.vision.load_calibration`.
+        Frames of another size are refused.
 
     Attributes
     ----------
@@ -136,38 +133,37 @@ class Camera(Closing):
     plane_map : PlaneMap
         Map from frame pixels to the work area.
     dt : float or None
-        Time between two frames that are handed over (s); None = unknown.
+        Time between two delivered frames (s); None = unknown.
     region : tuple of int or None
-        Left, top, width and height of the part of the sensor that is sent (px), if that can be
-        chosen.
+        Left, top, width and height of the transmitted part of the sensor (px), if selectable.
     coding : str or None
-        How the camera codes pixels, if that can be chosen.
+        The camera's pixel coding, if selectable.
     calibration : Calibration or None
-        That of the camera.
+        The camera's calibration.
 
     Raises
     ------
     CaptureError
-        If it cannot be opened or read, of the kind that says why: NoBackEndError,
+        If the camera cannot be opened or read. The subclass gives the reason: NoBackEndError,
         NoBusError, NoPermissionError, NoCameraError, NoBandwidthError, CameraBusyError,
         FrameTimeoutError, UnpluggedError.
     FileNotFoundError
-        If there is no such file or folder.
+        If the file or folder does not exist.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range, a file is no video, or no rate is
-        given for a folder.
+        If an argument has the wrong type or is out of range. Also if a file is not a video, or
+        `fps` is missing for a folder.
 
     Notes
     -----
-    The times of the frames (s) start at the first one: ``t`` is that of the exposure, as far as the
-    camera lets it be known, ``t_arrival`` that of the arrival. A camera belongs to the process that
-    opened it. A separate process reads network cameras and cameras by number, and ends with the
-    camera: so a callback that keeps the interpreter sees fresh frames all the same. On Windows it
+    The times of the frames (s) start at the first one: ``t`` is the exposure time, if known, and
+    ``t_arrival`` the arrival time. A camera belongs to the process that opened it. A separate
+    process reads network cameras and cameras by number, and ends with the camera: so frames stay
+    fresh even while a callback keeps the interpreter. On Windows it
     is this process.
 
-    Frames of RTSP carry stamps. A frame that waited 0.1 s longer on its way than the freshest of
-    the last 10 s is old: it is dropped, and counted. The camera's encoder may delay all frames by
-    the same time, which no stamp tells.
+    RTSP frames carry stamps. A frame with 0.1 s more delay than the freshest of the last 10 s is
+    old: it is dropped and counted. The camera's encoder may delay all frames by the same time,
+    which the stamps do not show.
 
     Examples
     --------
@@ -223,10 +219,10 @@ class Camera(Closing):
         try:
             opened = source_of(source, wishes, open_timeout=open_timeout)
         except CaptureError as error:
-            # Those of other kinds say why there is no camera.
+            # Other kinds of errors explain the missing camera.
             if type(error) is CaptureError and size is None and self.calibration is not None:
                 width, height = self.calibration.size
-                error.add_note(f"asked for were {width} x {height} px, those of calibration")
+                error.add_note(f"the requested size was {width} x {height} px, from calibration")
             raise
         self._device = opened.device
         self.region, self.coding = opened.region, opened.coding
@@ -273,9 +269,9 @@ class Camera(Closing):
         return size
 
     def read(self, timeout: float | None = None) -> Frame:
-        """Return the newest frame that nobody has read yet; wait for one if there is none.
+        """Return the newest unread frame; wait for one if necessary.
 
-        Other Python threads run while it waits.
+        Other Python threads run meanwhile.
 
         Parameters
         ----------
@@ -285,13 +281,13 @@ class Camera(Closing):
         Raises
         ------
         FrameTimeoutError
-            If none comes in time. It can be tried again.
+            If no frame comes in time. Reading can be tried again.
         EndOfStream
-            If the file is over.
+            If the file has ended.
         CaptureError
-            If the camera cannot be read any more.
+            If reading the camera fails.
         ValueError
-            If it is closed.
+            If the camera is closed.
         """
         limit = self._frame_timeout if timeout is None else _seconds("timeout", timeout)
         frame = self._grabber(limit)
@@ -311,14 +307,14 @@ class Camera(Closing):
 
     @property
     def newest(self) -> Frame | None:
-        """Frame or None: the last one that a reader took; any thread may look at it."""
+        """Frame or None: the last frame taken by a reader; any thread may read this."""
         return self._grabber.newest
 
     @property
     def features(self) -> CameraFeatures | None:
-        """CameraFeatures or None: how it is set now, as `Camera` takes it; None if it has no such.
+        """CameraFeatures or None: the current settings; None if the camera has no features.
 
-        Set it to change what is not None in it, also while frames come.
+        Assign to change the features; None keeps a value. This also works during reading.
         """
         states = getattr(self._device, "features", None)
         return None if states is None else CameraFeatures._of(states)
@@ -332,11 +328,11 @@ class Camera(Closing):
 
     @property
     def counts(self) -> CameraCounts:
-        """CameraCounts: what has become of the frames so far."""
+        """CameraCounts: the counts of frames so far."""
         return CameraCounts(*self._grabber.counts)
 
     def close(self) -> None:
-        """Give the camera back; a reader that waits gets a ValueError."""
+        """Release the camera; a waiting reader gets a ValueError."""
         self._grabber.close()
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""What can be wrong with a camera, by name."""
+"""The errors of cameras, by name."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from robsim.base.text import cut
 
 
 class CaptureError(OSError):
-    """A camera cannot be opened or read; the message says what to do.
+    """A camera cannot be opened or read; the message has the remedy.
 
-    Each kind has a class of its own, which builds on this one.
+    Each kind has a class that derives from this one.
 
     Parameters
     ----------
     message : str
-        What is wrong, and what to do.
+        The problem and the remedy.
     """
 
     fault: ClassVar[str] = "failed"  # as the core names it
@@ -25,7 +25,7 @@ class CaptureError(OSError):
 
 
 class NoBackEndError(CaptureError):
-    """What the camera is read with is not installed."""
+    """The library for reading the camera is missing."""
 
     fault = "no_back_end"
 
@@ -37,49 +37,49 @@ class NoBusError(CaptureError):
 
 
 class NoPermissionError(CaptureError, PermissionError):
-    """The camera is there, and this user must not read it."""
+    """The camera exists, but this user has no permission to read it."""
 
     fault = "no_permission"
 
 
 class NoCameraError(CaptureError):
-    """There is no such camera."""
+    """The camera does not exist."""
 
     fault = "no_camera"
 
 
 class NoBandwidthError(CaptureError):
-    """The bus has no room left for what the camera is to send."""
+    """The bus has no bandwidth left for the camera."""
 
     fault = "no_bandwidth"
 
 
 class CameraBusyError(CaptureError):
-    """Another program has the camera."""
+    """Another program uses the camera."""
 
     fault = "busy"
 
 
 class FrameTimeoutError(CaptureError, TimeoutError):
-    """No frame came in time. The next one may still come: it can be tried again."""
+    """No frame came in time. Later frames may still come: reading can be tried again."""
 
     fault = "time_out"
 
 
 class UnpluggedError(CaptureError):
-    """The camera was there, and is gone."""
+    """The camera was unplugged or stopped."""
 
     fault = "unplugged"
 
 
 class EndOfStream(CaptureError, EOFError):
-    """The file is over: there are no more frames."""
+    """The file has ended: there are no more frames."""
 
     fault = "end"
 
 
 def unreached(name: str, timeout: float, error: Exception) -> CaptureError:
-    """Return why nothing answers at the address of a camera within a time (s)."""
+    """Return why nothing answers at a camera's address within a time (s)."""
     if isinstance(error, TimeoutError):
         return FrameTimeoutError(
             f"{name} did not answer within {timeout:g} s: is it on, and does the address lead to "

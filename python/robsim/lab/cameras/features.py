@@ -1,4 +1,4 @@
-"""`CameraFeatures`: how a camera exposes, and what it does to colours."""
+"""`CameraFeatures`: a camera's exposure and colour settings."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ _PAIRS = ("white_balance",)
 
 @dataclass(frozen=True, kw_only=True)
 class CameraFeatures:
-    """How a camera exposes, and what it does to colours.
+    """A camera's exposure and colour settings.
 
-    A number is the value of a feature; ``"auto"`` lets the camera choose, again and again, which
-    lets colours drift; None keeps the value that the camera has, and keeps it still. Which features
-    there are, and their limits, is the camera's affair: an error says them.
+    A number is the value of a feature. ``"auto"`` lets the camera choose continuously, so colours
+    may drift. None keeps the camera's current value fixed. The available features and their limits
+    depend on the camera: an error names them.
 
     Parameters
     ----------
     shutter : float, "auto" or None
-        Exposure time (s). Short: a robot that moves is sharp.
+        Exposure time (s). A short time keeps a moving robot sharp.
     gain : float, "auto" or None
-        Amplification (dB). High: noise.
+        Amplification (dB). A high gain adds noise.
     white_balance : pair of float, "auto" or None
-        Gains of blue and red, as the camera counts them.
+        Gains of blue and red, in the camera's units.
     brightness, exposure, sharpness, hue, saturation, gamma : float, "auto" or None
-        As the camera counts them; `exposure` is the brightness that automatic ones aim at.
+        In the camera's units; `exposure` is the target brightness of automatic features.
 
     Raises
     ------
     TypeError, ValueError
-        If a value is none of these.
+        If a value has another form.
 
     Examples
     --------
-    A camera gets them as ``robsim.Camera("firewire://", features=features)``.
+    Pass them to a camera as ``robsim.Camera("firewire://", features=features)``.
 
     >>> features = robsim.lab.CameraFeatures(shutter=0.005, gain=6)
     >>> features.shutter, features.gain, features.exposure
@@ -64,7 +64,7 @@ class CameraFeatures:
             object.__setattr__(self, field.name, _checked(field.name, value))
 
     def _wishes(self) -> list[tuple[str, list[float] | None]]:
-        """Return what is asked, as cameras take it: None is automatic."""
+        """Return the requests in the cameras' form: None is automatic."""
         wishes: list[tuple[str, list[float] | None]] = []
         for field in fields(self):
             value = getattr(self, field.name)
@@ -76,7 +76,7 @@ class CameraFeatures:
 
     @classmethod
     def _of(cls, states: Sequence[tuple[Any, ...]]) -> Self:
-        """Return what a camera says: (name, whether it is automatic, values, ...)."""
+        """Return a camera's report: (name, whether it is automatic, values, ...)."""
         values: dict[str, Any] = {}
         for name, is_automatic, numbers, *_ in states:
             if is_automatic:

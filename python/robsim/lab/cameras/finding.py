@@ -1,4 +1,4 @@
-"""Which cameras there are, what is missing, and why."""
+"""The search for cameras: found cameras, missing parts, and reasons."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class CameraReport(Report):
     Attributes
     ----------
     found : tuple of str
-        What there is: each with what to give `Camera`.
+        Available cameras and readers, each with its argument for `Camera`.
     missing : tuple of str
-        What there is not, or cannot be used: why, and what to do.
+        Unavailable cameras and readers, with reason and remedy.
 
     Examples
     --------
@@ -41,28 +41,28 @@ class CameraReport(Report):
 
     @property
     def title(self) -> str:
-        """What the report is about."""
+        """The subject of the report."""
         return "Cameras"
 
     @property
     def verdict(self) -> str:
-        """What there is, in a word or two."""
+        """The number of cameras, in a word or two."""
         count = sum(line.startswith("camera ") for line in self.found)
         return f"{count} found" if count else "none found"
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is found, then what is missing, a sentence each."""
+        """Found cameras, then missing ones, one sentence each."""
         return (*self.found, *self.missing)
 
 
 def find_cameras(*, network: bool = False) -> CameraReport:
-    """Return which cameras there are, what is missing and why; none of them is opened.
+    """Return the available cameras, and missing parts with reasons; no camera is opened.
 
     Parameters
     ----------
     network : bool
-        Whether to look for GigE Vision cameras on the networks of this computer, too, which takes
+        Whether to search the networks of this computer for GigE Vision cameras, too, which takes
         1 s.
 
     Raises

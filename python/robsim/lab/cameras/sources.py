@@ -1,4 +1,4 @@
-"""Which device a source stands for."""
+"""The device of a source."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from robsim.lab.cameras._devices.opencv import (
 from robsim.lab.cameras._devices.playback import Playback
 from robsim.lab.cameras.wishes import Wishes
 
-_SAME_RATE = 0.01  # of the rate that was asked for
+_SAME_RATE = 0.01  # of the requested rate
 _FFMPEG_OPTIONS = "OPENCV_FFMPEG_CAPTURE_OPTIONS"
 # Without sound: its packets alone would end the probe.
 _SMALL_PROBE = "rtsp_transport;tcp|allowed_media_types;video|probesize;32"
@@ -35,21 +35,21 @@ _SMALL_PROBE = "rtsp_transport;tcp|allowed_media_types;video|probesize;32"
 
 @dataclass
 class Source:
-    """A device, and what is known of it before its first frame."""
+    """A device, and its known properties before the first frame."""
 
     name: str
     device: CaptureDevice
     dt: float | None = None
     area: tuple[int, int] | None = None
     plane_map: PlaneMap | None = None
-    headings: int | None = None  # that a simulated robot is drawn in
+    headings: int | None = None  # number of headings of a simulated robot
     region: tuple[int, int, int, int] | None = None
     coding: str | None = None
-    advice: str = ""  # where frames are torn
+    advice: str = ""  # for torn frames
 
 
 def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
-    """Return the device of a source; a bus is open already, as only then its output is known."""
+    """Return the device of a source; a bus device is already open, to know its output."""
     for bus in (firewire, gige):
         if isinstance(source, str) and source.startswith(f"{bus.SCHEME}://"):
             return _on_bus(bus, source, wishes)
@@ -95,7 +95,7 @@ def _refuse_almost_an_address(source: str | PathLike[str]) -> None:
 
 
 def meant_address(text: str) -> str | None:
-    """Return the address that a text resembles which is none, as firewire:0; None: it does not."""
+    """Return the address meant by an invalid one, such as firewire:0; None = no suggestion."""
     if node := re.fullmatch(r"/dev/(video|fw)\d{1,2}", text):
         return f"{firewire.SCHEME}://" if node[1] == "fw" else text.removeprefix("/dev/video")
     if re.fullmatch(r"\d{1,3}(\.\d{1,3}){3}", text):
@@ -124,7 +124,7 @@ def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
     sent = bus.sent_by(device)
     if sent.fps and wishes.fps is not None and abs(sent.fps / wishes.fps - 1) > _SAME_RATE:
         warn_user(
-            f"{sent.name} sends {sent.fps:.4g} frames/s; asked for were {wishes.fps:g}: its mode, "
+            f"{sent.name} sends {sent.fps:.4g} frames/s; {wishes.fps:g} were requested: its mode, "
             "its exposure or the bus allows no closer rate; a smaller size or region, a shorter "
             "exposure or coding 'raw8' may"
         )
@@ -143,8 +143,8 @@ def _address(url: str, back_end: str | None, dt: float | None, open_timeout: flo
     chosen = _choice(back_end, ("http", *OF_ADDRESSES)) or ("http" if is_http else "ffmpeg")
     if chosen == "http":
         if not is_http:
-            raise ValueError(f"back_end 'http' reads http:// alone, got {quoted(url)}")
-        from robsim.lab.cameras._devices.http import HttpCamera  # what it needs costs milliseconds
+            raise ValueError(f"back_end 'http' only reads http://, got {quoted(url)}")
+        from robsim.lab.cameras._devices.http import HttpCamera  # slow to load
 
         http = HttpCamera(url, open_timeout)
         return Source(http.name, _device(http), dt=dt)
@@ -154,7 +154,7 @@ def _address(url: str, back_end: str | None, dt: float | None, open_timeout: flo
 
 
 def _small_probe() -> dict[str, str]:
-    """Return what keeps FFmpeg from reading a second of frames before it gives the first."""
+    """Return options that stop FFmpeg from reading a second of frames before the first one."""
     if _FFMPEG_OPTIONS in os.environ:
         warn_user(
             f"{_FFMPEG_OPTIONS} is set, so robsim does not choose {_SMALL_PROBE!r}: without "

@@ -27,7 +27,7 @@ class Wishes:
 
     @property
     def given(self) -> dict[str, Any]:
-        """The common options of cameras on a bus, as the extensions take them."""
+        """The common options of cameras on a bus, in the extensions' form."""
         features = (self.features or CameraFeatures())._wishes()
         return {"size": self.size, "region": self.region, "fps": self.fps, "features": features}
 

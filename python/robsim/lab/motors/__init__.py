@@ -1,7 +1,7 @@
-"""The line to a real robot: what sends inputs, what limits them, and the robot's end of the line.
+"""The link to a real robot: senders of inputs, their limits, and the robot's receiver.
 
-All that sends is callable, ``motors(u)``, and has ``stop`` and ``close``. ``PROTOCOL.md`` in this
-folder says what goes over the line, and what a robot must do.
+All senders are callable, ``motors(u)``, and have ``stop`` and ``close``. ``PROTOCOL.md`` in this
+folder defines the messages, and the duties of a robot.
 """
 
 from robsim._core import HaltedError, Limits, LineCounts, LineError, MotorEvent, MotorReceiver

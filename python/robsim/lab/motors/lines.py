@@ -14,9 +14,9 @@ from robsim.base.text import one_line, quoted
 
 if TYPE_CHECKING:
     from serial import Serial
-#: s; a robot stops by itself when it hears nothing for so long.
+#: s; a robot stops automatically after this time without a message.
 TTL = 0.3
-#: s; the link stops the robot when it gets no input for so long.
+#: s; the link stops the robot after this time without an input.
 HOLD = 1.0
 _open: WeakSet[LineMotors] = WeakSet()
 
@@ -48,41 +48,41 @@ class LineMotors(MotorLink):
 @atexit.register
 def _stop_all() -> None:
     links = list(_open)
-    for link in links:  # all are told before one is waited for
+    for link in links:  # all must stop, before the first wait
         link.halt()
     for link in links:
-        with suppress(OSError, RuntimeError):  # the line is cut; of the parent of a forked process
+        with suppress(OSError, RuntimeError):  # the line is cut, or belongs to the parent process
             link.close()
 
 
 class SerialMotors(LineMotors):
-    """Motors of a robot at a serial line: send them inputs by calling it.
+    """Motors of a robot at a serial line: call the object to send inputs.
 
-    A native thread repeats the newest input and stops the robot; it needs no interpreter. The
-    robot stops by itself when it hears nothing for `ttl`. It is stopped by `stop`, `close`, the end
-    of a ``with`` block or of the program, and where no input is sent for `hold`.
+    A native thread repeats the newest input and stops the robot, even without the interpreter. The
+    robot stops automatically after `ttl` without a message. `stop`, `close`, the end of a ``with``
+    block or of the program, and `hold` without an input stop the robot, too.
 
-    It needs pyserial: ``pip install 'robsim[serial]'``. Many boards start anew when their port is
-    opened, and hear nothing for the next seconds.
+    This requires pyserial: ``pip install 'robsim[serial]'``. Many boards restart when their port is
+    opened, and receive nothing for the next seconds.
 
     Parameters
     ----------
     port : str
-        The device, such as ``"/dev/ttyUSB0"``; it is opened for this program alone.
+        The device, such as ``"/dev/ttyUSB0"``; it is opened exclusively.
     baud_rate : int
         Speed of the line (bit/s).
     ttl : float
-        Time to live of each input (s), 0.03 to 60: the robot stops by itself when it hears nothing
-        for so long. The newest input is sent again each third of it.
+        Time to live of each input (s), 0.03 to 60: the robot stops automatically after this time
+        without a message. The link resends the newest input three times per `ttl`.
     hold : float
-        The link stops the robot when no input is sent for so long (s).
+        The link stops the robot after this time without an input (s).
 
     Raises
     ------
     robsim.lab.LineError
         If the port cannot be opened.
     ImportError
-        If pyserial is not there.
+        If pyserial is missing.
     """
 
     def __init__(
@@ -101,12 +101,12 @@ class SerialMotors(LineMotors):
             raise
 
     def close(self) -> None:
-        """Stop the robot and close the port; the second time it does nothing.
+        """Stop the robot and close the port; a second call does nothing.
 
         Raises
         ------
         robsim.lab.LineError
-            If the line went wrong since the last input: the robot may not have been told to stop.
+            If the line failed since the last input: the robot may not have received the stop.
         """
         try:
             super().close()
@@ -124,7 +124,7 @@ def _opened(port: str, baud_rate: int) -> Serial:
         from serial import Serial, SerialException
     except ImportError:
         raise ImportError(
-            "SerialMotors needs pyserial, which is not installed: pip install 'robsim[serial]'"
+            "SerialMotors requires pyserial, which is not installed: pip install 'robsim[serial]'"
         ) from None
     try:
         return Serial(port, baud_rate, exclusive=True)
@@ -144,29 +144,29 @@ def _reason(error: OSError) -> str:
 
 
 class UdpMotors(LineMotors):
-    """Motors of a robot that listens to UDP: send them inputs by calling it.
+    """Motors of a robot that listens to UDP: call the object to send inputs.
 
-    A native thread repeats the newest input and stops the robot; it needs no interpreter. The
-    robot stops by itself when it hears nothing for `ttl`. It is stopped by `stop`, `close`, the end
-    of a ``with`` block or of the program, and where no input is sent for `hold`.
+    A native thread repeats the newest input and stops the robot, even without the interpreter. The
+    robot stops automatically after `ttl` without a message. `stop`, `close`, the end of a ``with``
+    block or of the program, and `hold` without an input stop the robot, too.
 
     Parameters
     ----------
     address : str
         Name or number of the robot's host, with the port: ``"192.168.4.1:5005"``,
-        ``"[fe80::1]:5005"``; or without it, if `port` is given.
+        ``"[fe80::1]:5005"``; the port may be passed as `port` instead.
     port : int, optional
-        The port that the robot listens at.
+        The port of the robot.
     ttl : float
-        Time to live of each input (s), 0.03 to 60: the robot stops by itself when it hears nothing
-        for so long. The newest input is sent again each third of it.
+        Time to live of each input (s), 0.03 to 60: the robot stops automatically after this time
+        without a message. The link resends the newest input three times per `ttl`.
     hold : float
-        The link stops the robot when no input is sent for so long (s).
+        The link stops the robot after this time without an input (s).
 
     Raises
     ------
     robsim.lab.LineError
-        If there is no such host. Whether a robot listens shows after the first inputs.
+        If the host is unknown. Whether a robot listens is only known after the first inputs.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Motors that keep what they are sent."""
+"""Motors that record their inputs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robsim.base.values import Closing
 
 
 class RecordedMotors(Closing):
-    """Motors that drive nothing and keep what they are sent, for rehearsals and tests.
+    """Motors that drive nothing and record their inputs, for rehearsals and tests.
 
     Examples
     --------
@@ -31,7 +31,7 @@ class RecordedMotors(Closing):
         self._is_closed = False
 
     def __call__(self, u: ArrayLike) -> float:
-        """Keep an input, and return when it came.
+        """Record an input, and return its time.
 
         Parameters
         ----------
@@ -41,7 +41,7 @@ class RecordedMotors(Closing):
         Returns
         -------
         float
-            When it came (s, clock of time.monotonic).
+            Time of the input (s, clock of time.monotonic).
 
         Raises
         ------
@@ -56,23 +56,23 @@ class RecordedMotors(Closing):
         return self._keep(float(values[0]), float(values[1]))
 
     def stop(self) -> float:
-        """Keep an input of 0, 0, and return when it came (s, clock of time.monotonic)."""
+        """Record an input of 0, 0, and return its time (s, clock of time.monotonic)."""
         return self._keep(0.0, 0.0)
 
     def close(self) -> None:
-        """Stop, and take no more inputs; the second time it does nothing."""
+        """Stop, and refuse further inputs; a second call does nothing."""
         if not self._is_closed:
             self._is_closed = True
             self.stop()
 
     @property
     def inputs(self) -> Floats:
-        """Array (N, 2): what came (V), stops as 0, 0."""
+        """Array (N, 2): the recorded inputs (V), stops as 0, 0."""
         return np.array([sent[1:] for sent in self._sent]).reshape(-1, 2)
 
     @property
     def times(self) -> Floats:
-        """Array (N,): when it came (s, clock of time.monotonic)."""
+        """Array (N,): the times of the inputs (s, clock of time.monotonic)."""
         return np.array([sent[0] for sent in self._sent], dtype=np.float64)
 
     @property

@@ -1,4 +1,4 @@
-"""Whether the map from pixels to the floor fits what the frames show of the robot."""
+"""Whether the map from pixels to the floor fits the robot in the frames."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TALLEST = 300.0  # mm, of a robot on such a floor
 
 @dataclass(frozen=True)
 class MarkerPair:
-    """Where both markers were seen in a frame."""
+    """The positions of both markers in a frame."""
 
     pixels: Floats  # (2, 2): (u, v) of both, in the order of their roles
     middle: Floats  # (2,): their middle on the work area (px)
@@ -33,7 +33,7 @@ class MarkerPair:
 def marker_pair(
     frame: Frame, blobs: Mapping[str, Sequence[Blob]], detection: Detection, markers: MarkerLayout
 ) -> MarkerPair | None:
-    """Return where the markers are, even too far apart: then the largest blob of each colour."""
+    """Return the marker positions, even too far apart: then from the largest blobs."""
     found = []
     for role, name in markers.colors.items():
         largest = max(blobs.get(name, ()), key=lambda blob: blob.area, default=None)
@@ -50,12 +50,12 @@ def marker_pair(
 
 
 def median_excess(pairs: Sequence[MarkerPair]) -> float:
-    """Return by what the markers are too far apart, as a fraction; NaN = none was seen."""
+    """Return the relative excess of the markers' distance; NaN = markers not seen."""
     return float(np.median([one.ratio for one in pairs])) - 1 if pairs else math.nan
 
 
 def spread_over_places(pairs: Sequence[MarkerPair], area: tuple[int, int]) -> float:
-    """Return how much the markers' distance differs over places, as a fraction; NaN = one place."""
+    """Return the relative variation of the markers' distance over places; NaN = one place."""
     if len(pairs) < _FEWEST:
         return math.nan
     middles = np.array([one.middle for one in pairs])
@@ -70,9 +70,9 @@ def spread_over_places(pairs: Sequence[MarkerPair], area: tuple[int, int]) -> fl
 def explaining_height(
     pairs: Sequence[MarkerPair], calibration: Calibration, distance: float
 ) -> float | None:
-    """Return the height of the markers (mm) at which they are as far apart as they should be.
+    """Return the marker height (mm) that explains the markers' distance.
 
-    That is a `distance` in work-area px. None if there is no such height, or the camera's is not
+    `distance` is in work-area px. None if no height explains it, or the camera's height is not
     known.
     """
     floor, scale = calibration.floor, calibration.mm_per_px
@@ -84,7 +84,7 @@ def explaining_height(
         there = (floor.at_height(height) if height else floor).to_world(pixels).reshape(-1, 2, 2)
         return float(np.median(np.linalg.norm(there[:, 0] - there[:, 1], axis=1))) / distance
 
-    # What is higher is closer to the camera, and looks larger: the ratio falls as 1 - h / H.
+    # Higher points are closer to the camera, and look larger: the ratio falls as 1 - h / H.
     on_floor = ratio(0.0)
     if on_floor <= 1:
         return None
@@ -125,7 +125,7 @@ def shifts_of_sheets(frames: Iterable[Frame], calibration: Calibration) -> dict[
 def remedy(
     excess: float, pairs: Sequence[MarkerPair], calibration: Calibration | None, distance: float
 ) -> str:
-    """Return what the likely cause is of markers that seem too far apart, or too close."""
+    """Return the likely cause of markers that seem too far apart or too close."""
     how = "farther apart" if excess > 0 else "closer together"
     said = f"the markers seem {100 * abs(excess):.0f} % {how} than in the robot's definition: "
     if calibration is None:

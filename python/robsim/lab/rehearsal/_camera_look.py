@@ -1,4 +1,4 @@
-"""What is seen in the frames of a camera, one by one, to judge it."""
+"""The measurements of a camera's frames, one by one, for judging the camera."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from robsim.vision.markers.training import margin_of
 from robsim.vision.robots.definition import RobotDefinition
 from robsim.vision.robots.polygons import area_and_centroid, placed
 
-_INNER = 0.7  # of a marker's outline, from its centre: the edge is mixed with what lies around
+_INNER = 0.7  # of a marker's outline, from its centre: the edge mixes with its surroundings
 _OUTER = 1.2  # all of it
 _AROUND = 1.6
 _CLIPPED = 254  # levels
@@ -51,7 +51,7 @@ def marker_light(
     frame: Frame, corners: Floats, blob: Blob, color: ColorClass
 ) -> MarkerLight | None:
     """Return a marker's light, from corners (N, 2) in frame px; None if too little is in view."""
-    if not np.isfinite(corners).all():  # where the lens shows nothing
+    if not np.isfinite(corners).all():  # outside of the lens's image
         return None
     centre = corners.mean(axis=0)
     reach = _AROUND * np.abs(corners - centre).max(axis=0) + 1
@@ -143,12 +143,12 @@ class CameraLook:
                 self.marker_light[name].append(light)
 
     def _found(self, detection: Detection) -> dict[str, Blob]:
-        """Return the blobs of a robot that was detected, by colour."""
+        """Return the blobs of a detected robot, by colour."""
         assert detection.seen is not None
         return {blob.color: blob for blob in detection.seen.values()}
 
     def _others(self, blobs: Mapping[str, Sequence[Blob]], detection: Detection) -> int:
-        """Return how many blobs there are as large as markers, besides the two."""
+        """Return the number of further blobs as large as markers."""
         if detection.measurement is None:
             return 0
         found = self._found(detection)

@@ -1,4 +1,4 @@
-"""`check_camera`: whether a camera is good enough for a robot, before it drives."""
+"""`check_camera`: a check of a camera for driving a robot."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ from robsim.vision.robots.lookup import as_robot
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CameraCheck(Report):
-    """Whether a camera is good enough: the result of `check_camera`.
+    """The quality of a camera: the result of `check_camera`.
 
     Attributes
     ----------
     findings : tuple of CameraFinding
-        What was looked at: ``check["frame rate"].value``.
+        The findings: ``check["frame rate"].value``.
     frames, seen : int
-        Frames that came, and those in which the robot was detected.
+        Number of received frames, and of frames with a detected robot.
     frame : Frame
-        The last frame, or the last one in which the robot was detected.
+        The last frame, or the last frame with a detected robot.
     blobs : dict of str to list of Blob
-        What was found in it.
+        Its blobs.
     measurement : Measurement or None
         The measured pose in it.
     robot : RobotDefinition
-        The robot that was looked for.
+        The robot to detect.
     remarks : tuple of str
-        What could not be judged, and why.
+        Findings that could not be judged, with reasons.
 
     Examples
     --------
@@ -71,11 +71,11 @@ class CameraCheck(Report):
             if finding.name == name:
                 return finding
         known = ", ".join(finding.name for finding in self.findings)
-        raise KeyError(f"there is no finding {quoted(name)}: there are {known}")
+        raise KeyError(f"unknown finding {quoted(name)}; available: {known}")
 
     @property
     def title(self) -> str:
-        """What was checked."""
+        """Name of the check."""
         return "Check of the camera"
 
     @property
@@ -100,7 +100,7 @@ class CameraCheck(Report):
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What is not good, the worst first, and what to do."""
+        """Poor and bad findings, worst first, with remedies."""
         ranked = sorted(self.findings, key=rank, reverse=True)
         return tuple(
             Problem(kind=one.name, sentence=f"{one}: {one.remedy}") for one in ranked if rank(one)
@@ -116,40 +116,38 @@ def check_camera(
     motors: MotorLink | None = None,
     seconds: float = 3.0,
 ) -> CameraCheck:
-    """Look at a camera for some seconds, and judge whether a robot can be driven by it.
+    """Observe a camera for some seconds, and judge whether it can guide a robot.
 
-    The robot stands somewhere in the picture. Nothing drives it: `motors` are told to stop, and
-    nothing else.
+    The robot stands somewhere in the picture, and does not drive: `motors` only receive a stop.
 
     Parameters
     ----------
     camera : Camera
-        The camera, or a file that is played.
+        The camera, or a file under playback.
     robot, colors, smoothing
         As in `robsim.Experiment`.
     motors : UdpMotors or SerialMotors, optional
-        The line to the robot: how long its answers take.
+        The link to the robot, for its response time.
     seconds : float
-        For how long (s).
+        Duration (s).
 
     Returns
     -------
     CameraCheck
-        Rate, jitter and losses of the frames; exposure; size, contrast and colours of the markers;
-        noise (standard deviation of a channel in grey levels, as far as compression does not smooth
-        it), and the signal-to-noise figure of the markers that follows, see `Measurement`;
-        in how many frames the robot was detected, how much its pose is scattered; whether the
-        calibration fits the robot, and the floor sheets that it saw; latency. Each with a verdict
-        and a remedy.
+        Rate, jitter and losses of the frames, and exposure. Size, contrast and colours of the
+        markers. Noise (standard deviation of a channel in grey levels, unless compression smooths
+        it), and the resulting signal-to-noise figure of the markers, see `Measurement`. Share of
+        frames with a detected robot, and scatter of its pose. Whether the calibration fits the
+        robot and its floor sheets. Latency. Each finding has a verdict and a remedy.
 
     Raises
     ------
     robsim.lab.CaptureError
-        If the camera fails, or gives no frame in this time.
+        If the camera fails, or sends no frame in this time.
     robsim.lab.LineError
         If the line to the robot fails.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range, or `colors` lack that of a marker.
+        If an argument has the wrong type or is out of range, or `colors` lack a marker's colour.
 
     Examples
     --------
@@ -209,14 +207,14 @@ def _remarks(
 ) -> Iterator[str]:
     names = [finding.name for finding in findings if finding.verdict == NOT_KNOWN]
     if "exposure to arrival" in names:
-        yield "when the camera exposes is not known: its latency cannot be told"
+        yield "the camera's exposure times are unknown, and so is its latency"
     if "round trip to the robot" in names:
-        yield "the robot answered nothing: is it on? Firmware need not answer, see PROTOCOL.md"
+        yield "the robot did not answer: is it on? Answers are optional, see PROTOCOL.md"
     if all(f"margin of {color}" in names for color in colors):
-        yield "the markers cannot be judged where the robot is not detected"
+        yield "the markers cannot be judged if the robot is not detected"
     yield from _remarks_on_calibration({finding.name for finding in findings}, names)
     if motors is not None:
-        yield "the robot was only told to stop"
+        yield "the robot only received a stop"
 
 
 def _remarks_on_calibration(looked_at: Container[str], not_known: Container[str]) -> Iterator[str]:
@@ -228,7 +226,7 @@ def _remarks_on_calibration(looked_at: Container[str], not_known: Container[str]
         "some degrees, may show only with the robot elsewhere"
     )
     if sheets not in looked_at:
-        yield f"{said}; a floor sheet that stays where it is from the calibration on would show it"
+        yield f"{said}; a floor sheet that stays in place after the calibration would reveal this"
     elif sheets in not_known:
         yield (
             f"{said}, as no floor sheet is in the picture that the calibration saw (or OpenCV is "

@@ -12,31 +12,31 @@ from robsim.base.text import quoted
 
 @dataclass(frozen=True, kw_only=True)
 class CameraFaults:
-    """What goes wrong with a simulated camera.
+    """The faults of a simulated camera.
 
-    What happens to the frame of a tick depends on the seed of the scenario and the tick alone.
+    The fate of a tick's frame depends only on the scenario's seed and the tick.
     Times count from the start of the world (s); it starts when the camera is first opened.
 
     Parameters
     ----------
     late : float
-        Probability that a frame comes `late_by` later than it should. Those behind it wait.
+        Probability that a frame comes `late_by` too late. Later frames wait.
     late_by : float
-        By how much (s).
+        Delay of late frames (s).
     dropped : float
-        Probability that a frame never comes.
+        Probability that a frame is lost.
     repeated : float
-        Probability that the picture before comes again, with a number and a time of its own, as
-        from real cameras: it shows the robot where it was, and nothing in the frame says so.
+        Probability that the previous picture is sent again, with a new number and time. Real
+        cameras do this, too: the frame shows an old position without notice.
     torn : float
-        Probability that the lower part of a frame is that of the one before, or black. A camera
-        knows that such a frame is not complete: `robsim.Camera` counts it and hands it to nobody.
+        Probability that the lower part of a frame is from the previous frame, or black. A camera
+        knows that such a frame is incomplete: `robsim.Camera` counts and discards it.
     stall : tuple of float, optional
         Start and duration of a silence (s).
     unplug : tuple of float, optional
-        Start and duration of a time without the camera (s): it fails, and cannot be opened.
+        Start and duration of a disconnection (s): the camera fails, and cannot be opened.
     drift : float
-        Amplitude of the exposure's slow change, relative to the right one, 0..1.
+        Amplitude of the slow change of exposure, relative to the correct exposure, 0..1.
     drift_period : float
         Its period (s).
 
@@ -86,7 +86,7 @@ class CameraFaults:
 
 
 def _span(name: str, value: Any) -> tuple[float, float]:
-    """Return start and duration; None = nothing at any time."""
+    """Return start and duration; None = never."""
     if value is None:
         return 0.0, 0.0
     try:

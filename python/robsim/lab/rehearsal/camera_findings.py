@@ -1,4 +1,4 @@
-"""The judgements on what was seen of a camera: values, verdicts, remedies."""
+"""The findings on a camera: values, verdicts, remedies."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _REMEDIES = {
     "no blobs": "train the colours in this light (robsim colors train), or is it another robot?",
     "at the border": "move the robot away from the border of the picture",
     "ambiguous": "leave only one robot, and nothing of its colours, in the picture",
-    "by chance": "take what has the markers' colours off the floor, or train narrower colours",
+    "by chance": "remove things in the markers' colours from the floor, or train narrower colours",
     "dark": "give more light, or a longer exposure",
     "overexposed": "give a shorter exposure, or less light",
     "shape": "give more light, or train the colours in this light; or is there no robot?",
@@ -81,12 +81,12 @@ def _remedy(reason: str | None, colors: Mapping[str, str]) -> str | None:
 
 @dataclass(frozen=True)
 class CameraFinding:
-    """One thing that a check of a camera looked at.
+    """A finding of a camera check.
 
     Attributes
     ----------
     name : str
-        What it is.
+        Its name.
     value : float
         Its value; NaN = not known.
     unit : str
@@ -94,7 +94,7 @@ class CameraFinding:
     verdict : str
         ``"good"``, ``"poor"``, ``"bad"`` or ``"not known"``.
     remedy : str
-        What to do if it is not good.
+        The remedy if it is not good.
 
     Examples
     --------
@@ -112,7 +112,7 @@ class CameraFinding:
 
     @property
     def amount(self) -> str:
-        """Value and unit, as people read them; ``"-"`` if it is not known."""
+        """Value and unit as text; ``"-"`` if not known."""
         if math.isnan(self.value):
             return "-"
         return Quantity(self.name, "", self.value, self.unit, three_digits).line.strip()
@@ -126,7 +126,7 @@ def three_digits(value: float) -> str:
 
 
 def rank(finding: CameraFinding) -> int:
-    """Return how bad a finding is: 0 = good or not known."""
+    """Return the severity of a finding: 0 = good or not known."""
     return VERDICTS.index(finding.verdict) if finding.verdict in VERDICTS else 0
 
 
@@ -141,7 +141,7 @@ def _judged(
 def _finding(
     name: str, value: float, unit: str, limits: tuple[float, float], remedy: str
 ) -> CameraFinding:
-    """Return a finding; the limits of good and poor say which direction is better."""
+    """Return a finding; the order of the limits of good and poor gives the better direction."""
     good, poor = limits
     sign = 1 if good <= poor else -1
     if math.isnan(value):
@@ -153,7 +153,7 @@ def _finding(
 def findings_of(
     look: CameraLook, camera: Camera, before: CameraCounts, motors: MotorLink | None
 ) -> Iterator[CameraFinding]:
-    """Yield all findings; `before` are the counts of the camera before the look."""
+    """Yield all findings; `before` are the camera's counts before the check."""
     yield from _regularity(look, camera, before)
     yield from _exposure(look)
     yield from _markers(look)
@@ -169,7 +169,7 @@ def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Itera
     intervals, numbers = np.diff(t), np.diff(index)
     interval = _interval_of(intervals / numbers)
     rate = 1 / interval
-    # Frames between two that were read: those of the camera's own interval that have no number.
+    # Frames between two read frames: frames at the camera's own interval, without a number.
     missing = np.maximum(np.rint(intervals / interval) - numbers, 0) if len(t) > 1 else np.zeros(1)
     came = (index[-1] - index[0]) + 1
     torn = camera.counts.torn - before.torn
@@ -179,31 +179,31 @@ def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Itera
     if len(t) > 1:
         jitter = float(np.std(intervals - interval * np.rint(intervals / interval)))
     promised = 0.0 if camera.dt is None else 1 / camera.dt
-    wanted = f": it promised {promised:.3g} a second" if rate < _KEPT * promised else ""
+    wanted = f": it promised {promised:.3g} per second" if rate < _KEPT * promised else ""
     yield _finding(
         "frame rate",
         rate,
         "1/s",
         (max(_RATE[0], _KEPT * promised), _RATE[1]),
-        f"shorten the exposure, give more light, or ask for smaller frames{wanted}",
+        f"shorten the exposure, give more light, or request smaller frames{wanted}",
     )
-    remedy = "the frames come irregularly: use a wired network, close other programs"
+    remedy = "frames arrive irregularly: use a wired network, close other programs"
     yield _judged("jitter", jitter, remedy, times=interval)
     said = f", {torn} of them torn" if torn else ""
-    said += f"; {timeouts} times none came for long" if timeouts else ""
+    said += f"; {timeouts} timeouts without a frame" if timeouts else ""
     good, poor = (max(limit, _ONE / (came + lost)) for limit in _LOST)
     yield _finding(
         "lost frames",
         lost / (came + lost),
         "%",
         (good, poor),
-        f"{lost:.0f} of {came + lost:.0f} never came{said}: use a shorter cable, another USB port "
-        "or a wired network, or ask for fewer frames",
+        f"{lost:.0f} of {came + lost:.0f} were lost{said}: use a shorter cable, another USB port "
+        "or a wired network, or request fewer frames",
     )
 
 
 def _interval_of(each: Floats) -> float:
-    """Return the time between two exposures (s), where some of the frames are lost."""
+    """Return the time between two exposures (s), if some frames are lost."""
     if not len(each):
         return math.nan
     interval, shortest = float(np.median(each)), float(np.quantile(each, 0.1))
@@ -250,7 +250,7 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
         f"{_REMEDIES['small markers']}; with this noise poses can be trusted from {wanted:.2g} px "
         "on, in good light",
     )
-    lost, second = "a little less light, and it is lost", "it is found at the second chance only"
+    lost, second = "with slightly less light it is lost", "it is found only at the second chance"
     for name, lights in look.marker_light.items():
         of = {key: _median_of(lights, key) for key in ("contrast", "margin", "found")}
         train = f"train {name} in this light (robsim colors train), or change the light"
@@ -264,15 +264,15 @@ def _markers(look: CameraLook) -> Iterator[CameraFinding]:
 
 
 def _noise(look: CameraLook) -> Iterator[CameraFinding]:
-    """Yield the camera's noise, and how far the markers stand out of it."""
-    less = "give more light, a longer exposure in place of gain"
+    """Yield the camera's noise, and the markers' signal relative to it."""
+    less = "give more light, a longer exposure instead of gain"
     remedy = f"the pixels are noisy: {less}, or larger markers in the picture"
     yield _judged("noise", float(np.median(look.noise)), remedy)
     found = look.signal_to_noise
     yield _judged(
         "signal to noise of the markers",
         float(np.median(found)) if found else math.nan,
-        f"poses can be trusted from {_TRUSTED:g} on, and below 3 the robot counts as not seen: "
+        f"poses can be trusted from {_TRUSTED:g} on, and below 3 the robot counts as unseen: "
         f"{less}, more pixels, or larger markers",
     )
 
@@ -296,7 +296,7 @@ def _detection(look: CameraLook) -> Iterator[CameraFinding]:
         "other blobs",
         float(np.mean(look.others)) if look.seen else math.nan,
         "there are other things, as large as the markers and of their colours, in the picture: "
-        "take them away, or train narrower colours",
+        "remove them, or train narrower colours",
     )
 
 
@@ -312,7 +312,7 @@ def _scatter(look: CameraLook) -> Iterator[CameraFinding]:
         still = _STILL + float(np.hypot(*scatter[:2]))
         if moved <= still:
             position, heading = float(scatter[:2].max()), float(scatter[2])
-    noisy = "give more light, a longer exposure in place of gain, or take larger markers"
+    noisy = "give more light, a longer exposure instead of gain, or take larger markers"
     stand = "the robot moved: let it stand, to see how noisy its pose is"
     yield _finding("motion", moved, "px", (still, math.inf), stand)
     yield _judged("scatter of the position", position, noisy, times=look.markers.distance)
@@ -339,7 +339,7 @@ def _map(look: CameraLook, camera: Camera) -> Iterator[CameraFinding]:
 
 
 def _sheets(look: CameraLook, calibration: Calibration) -> Iterator[CameraFinding]:
-    """Yield whether floor sheets lie where the calibration saw them, if it saw any."""
+    """Yield whether floor sheets kept their calibrated positions, if there are any."""
     if calibration.marks:
         shifts = mapping.shifts_of_sheets(look.last, calibration)
         largest = max(shifts.values(), default=math.nan)

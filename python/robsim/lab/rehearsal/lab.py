@@ -21,42 +21,42 @@ from robsim.simulation.scenario_file import TABLES
 from robsim.simulation.world import world_of_scenario as worlds
 from robsim.vision.imaging.noise import as_native_noise
 
-#: Most pixels of the scene for one work-area px, where an oblique camera comes close to the floor.
+#: Most pixels of the scene per work-area px, for an oblique camera close to the floor.
 _FINEST = 4.0
 
 
 class SimulatedLab(Closing):
     """The simulated world in real time: a camera and a robot for rehearsals.
 
-    ``robsim.Camera(lab)`` is its camera, which exposes `fps` times a second, and `address` is where
-    its robot hears commands, as a real one does. The world starts when the camera is first opened,
-    and goes on, whether a camera looks or not, until the lab is closed. Native threads do the work:
-    a callback that keeps the interpreter does not hold up the world.
+    ``robsim.Camera(lab)`` is its camera, which exposes `fps` times per second. Its robot receives
+    commands at `address`, like a real robot. The world starts when the camera is first opened, and
+    runs, with or without a reading camera, until the lab is closed. Native threads do the work: a
+    callback that keeps the interpreter does not delay the world.
 
     Parameters
     ----------
     scenario : Scenario, optional
         The world: robot, area, resolution of the frames, floor, start, noises, dropout, mismatch,
-        model and seed. What concerns the robot's software (such as `control` and `measure`) is left
-        to the `Experiment` that drives the robot. Default: ``Scenario()``.
+        model and seed. Options of the robot's software (such as `control` and `measure`) belong to
+        the `Experiment` that drives the robot. Default: ``Scenario()``.
     fps : float
         Frames per second (1/s); a step of the world takes 1 / fps.
     faults : CameraFaults, optional
-        What goes wrong with the camera. Default: nothing.
+        Faults of the camera. Default: none.
     lens : Lens, optional
-        Distortion of its lens. Default: none.
+        Distortion of the camera's lens. Default: none.
     plane_map : PlaneMap, optional
-        From where it looks: the map of its frames, but for the distortion by `lens`, to the work
-        area, as `PlaneMap.from_points` gives it; one with intrinsics has a lens of its own. What is
-        not of the work area is grey. Default: from above, the whole area.
+        The camera's view: the map of its frames, before the distortion by `lens`, to the work area,
+        such as from `PlaneMap.from_points`. A map with intrinsics includes a lens. Pixels outside
+        of the work area are grey. Default: from above, the whole area.
     robot_height : float
-        How far above the floor the robot's top is, with its markers (work-area px); above 0,
-        `plane_map` must have intrinsics. The camera sees the top alone, not the robot's sides.
+        Height of the robot's top, with its markers, above the floor (work-area px); above 0,
+        `plane_map` must have intrinsics. The camera only sees the top, not the robot's sides.
     camera_delay : float
-        How long after its exposure a frame comes (s).
+        Delay of a frame after its exposure (s).
     receiver : MotorReceiver, optional
-        The robot's end of a motor line; with the lab, it is closed. Default: one that listens to
-        UDP on this computer alone, at a port that the system chooses.
+        The robot's end of a motor line; the lab closes it. Default: a receiver that listens to
+        UDP on this computer only, at a port that the system chooses.
 
     Attributes
     ----------
@@ -65,11 +65,11 @@ class SimulatedLab(Closing):
     dt : float
         Time from frame to frame (s).
     plane_map : PlaneMap
-        Pixels of the frames, but for the distortion by `lens`, <-> work area.
+        Pixels of the frames, before the distortion by `lens`, <-> work area.
     receiver : MotorReceiver
         The robot's end of the motor line.
     scenario : Scenario
-        The world, with the model and the seed that are used.
+        The world, with its actual model and seed.
 
     Raises
     ------
@@ -78,9 +78,9 @@ class SimulatedLab(Closing):
 
     Notes
     -----
-    The input of a step is the mean of what the robot acted on since the last one. Noise of the
-    camera comes after its optics, process noise with each step. A computer that is too slow for the
-    rate loses frames (`skipped_frames`), never time of the world.
+    The input of a step is the mean input of the robot since the last step. Camera noise follows
+    its optics, process noise is added in each step. A computer that is too slow for the rate loses
+    frames (`skipped_frames`), but the world keeps real time.
 
     Examples
     --------
@@ -110,7 +110,7 @@ class SimulatedLab(Closing):
         check_kind("plane_map", plane_map, PlaneMap, or_none=True)
         if plane_map is not None and plane_map.intrinsics and lens:
             raise ValueError(
-                "lens must not be given, as plane_map has intrinsics, which are a lens"
+                "lens must be omitted because plane_map has intrinsics, which are a lens"
             )
         check_kind("receiver", receiver, MotorReceiver, or_none=True)
         given = check_kind("scenario", scenario, Scenario, or_none=True)
@@ -133,7 +133,7 @@ class SimulatedLab(Closing):
 
     @property
     def _scale(self) -> float:
-        """Pixels of a frame for one work-area px, where it has the most."""
+        """Largest number of frame pixels per work-area px."""
         width, height = self.size
         grid = np.meshgrid(np.linspace(0, width - 1, 32), np.linspace(0, height - 1, 32))
         pixels = np.stack(grid, axis=-1).reshape(-1, 2)
@@ -146,7 +146,7 @@ class SimulatedLab(Closing):
         )
         is_seen = ((here >= -0.5) & (here <= np.subtract(self.area, 0.5))).all(axis=1)
         if not is_seen.any():
-            raise ValueError("plane_map must show some of the work area: with this one, none is")
+            raise ValueError("plane_map must show some of the work area, but shows nothing")
         return float(1 / shortest[is_seen].min())
 
     def _new_warp(self, seen: PlaneMap) -> _core.Warp:
@@ -172,12 +172,12 @@ class SimulatedLab(Closing):
 
     @property
     def _headings(self) -> int | None:
-        """Number of headings that the robot is drawn in, for the frames of a `robsim.Camera`."""
+        """Number of headings of the drawn robot, for the frames of a `robsim.Camera`."""
         return self.scenario.headings
 
     @property
     def address(self) -> str:
-        """Where the robot hears inputs, as ``robsim.lab.UdpMotors`` takes it."""
+        """The robot's address for inputs, in the form of ``robsim.lab.UdpMotors``."""
         return self.receiver.name.removeprefix("UDP ")
 
     @property
@@ -189,21 +189,21 @@ class SimulatedLab(Closing):
 
     @property
     def truth(self) -> LabTruth:
-        """All ticks up to now; any thread may ask."""
+        """All ticks so far; any thread may read this."""
         return truth_of(*self._laboratory.ticks(), self.dt)
 
     @property
     def skipped_frames(self) -> int:
-        """Number of frames that the computer was too slow for."""
+        """Number of frames lost because the computer was too slow."""
         return self._laboratory.skipped
 
     def stall(self, seconds: float) -> None:
-        """Let the camera be silent from now on for a while; any thread may call this.
+        """Silence the camera for a while; any thread may call this.
 
         Parameters
         ----------
         seconds : float
-            How long (s).
+            Duration (s).
 
         Raises
         ------
@@ -213,7 +213,7 @@ class SimulatedLab(Closing):
         self._laboratory.stall(check_float("seconds", seconds, "s", minimum=0))
 
     def unplug(self) -> None:
-        """Unplug the camera; any thread may call this. The world goes on."""
+        """Unplug the camera; any thread may call this. The world continues."""
         self._laboratory.unplug()
 
     def plug_in(self) -> None:
@@ -221,7 +221,7 @@ class SimulatedLab(Closing):
         self._laboratory.plug_in()
 
     def close(self) -> None:
-        """End the world and the motor line for good; `truth` can still be read."""
+        """End the world and the motor line permanently; `truth` remains readable."""
         self._end()
 
     def __repr__(self) -> str:
@@ -229,7 +229,7 @@ class SimulatedLab(Closing):
 
 
 def _end(laboratory: _core.Laboratory, receiver: MotorReceiver) -> None:
-    if laboratory.is_elsewhere:  # both belong to the parent
+    if laboratory.is_elsewhere:  # lab and receiver belong to the parent process
         return
     laboratory.close()
     receiver.close()
@@ -248,8 +248,8 @@ def _map_at(plane_map: PlaneMap, height: Any) -> PlaneMap | None:
 def _real_time(scenario: Scenario, dt: float) -> Scenario:
     """Return a scenario with the model for steps of `dt`."""
     for name, remedy in (
-        ("camera_delay", "give camera_delay in s to the lab"),
-        ("motor_delay", "the robot's end of the motor line has delays of its own"),
+        ("camera_delay", "pass camera_delay in s to the lab"),
+        ("motor_delay", "the robot's end of the motor line has its own delays"),
     ):
         if getattr(scenario, name):
             raise ValueError(f"scenario must have {name}=0 in a lab in real time: {remedy}")
@@ -266,7 +266,7 @@ def _real_time(scenario: Scenario, dt: float) -> Scenario:
     elif not np.isclose(model.dt, dt, rtol=1e-9, atol=0):
         raise ValueError(
             f"scenario must have a model for steps of 1 / fps = {dt:g} s, got one of {model.dt:g} "
-            f"s: give RobotParameters, which hold for any, or fps={1 / model.dt:g}"
+            f"s: pass RobotParameters, which are valid for any step, or fps={1 / model.dt:g}"
         )
     return scenario.replace(model=model)
 

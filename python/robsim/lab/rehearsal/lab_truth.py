@@ -1,4 +1,4 @@
-"""The truth of a simulated lab: where the robot was, tick by tick."""
+"""The truth of a simulated lab: the robot's pose at each tick."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robsim.base.checks import Floats, check_kind
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LabTruth:
-    """The ticks of a simulated lab up to now, the last million at most.
+    """The ticks of a simulated lab so far, at most the last million.
 
     The camera exposes at each tick. Row i of the arrays is tick ``first + i``.
 
@@ -24,18 +24,18 @@ class LabTruth:
     dt : float
         Time from tick to tick (s).
     t : array (N,)
-        When they came: ``time.monotonic()`` (s).
+        Times of the ticks: ``time.monotonic()`` (s).
     pose : array (N, 3)
-        Where the robot was: x, y (work-area px), heading (rad).
+        Pose of the robot: x, y (work-area px), heading (rad).
     last_u : array (N, 2)
-        The mean of the input that the robot acted on since the tick before (V), before process
+        The mean input of the robot since the previous tick (V), before process
         noise. It has moved the robot here: ``pose[i] = model.predict(pose[i-1], pose[i-2],
         last_u[i])``.
     hidden : array (N,) of bool
         Whether something hid the robot from the camera.
     shown : array (N,) of int
-        The tick of the picture that the camera delivered for this one: its own, but for a repeated
-        frame. -1: none, or none yet.
+        The tick of the picture delivered for this tick: the same, except for a repeated frame.
+        -1: no picture, or not yet.
 
     Examples
     --------
@@ -58,12 +58,12 @@ class LabTruth:
         return len(self.t)
 
     def tick_of(self, frame: Frame) -> int:
-        """Return the tick that a frame of this lab was exposed at.
+        """Return the tick of the exposure of a lab frame.
 
         Parameters
         ----------
         frame : Frame
-            The frame, with the time of its exposure, as `robsim.Camera` delivers it.
+            The frame with its exposure time, as delivered by `robsim.Camera`.
 
         Returns
         -------
@@ -75,24 +75,24 @@ class LabTruth:
         TypeError
             If `frame` is not a Frame.
         ValueError
-            If it has no time, or none of these ticks.
+            If it has no time, or a time outside of these ticks.
         """
         check_kind("frame", frame, Frame)
         if frame.t is None or frame.epoch is None:
-            raise ValueError("frame must have t and epoch, as those of a live camera have")
+            raise ValueError("frame must have t and epoch, like frames of a live camera")
         row = float(frame.epoch + frame.t - self.t[0]) / self.dt
         nearest = round(row)
         if abs(row - nearest) > 0.01 or not 0 <= nearest < len(self):
-            raise ValueError("frame must be of this lab, and not from after this truth was read")
+            raise ValueError("frame must be of this lab, and older than this truth")
         return self.first + nearest
 
     def pose_of(self, frame: Frame) -> Floats:
-        """Return where the robot was when a frame of this lab was exposed.
+        """Return the robot's pose at the exposure of a lab frame.
 
         Parameters
         ----------
         frame : Frame
-            The frame, as for `tick_of`. A repeated one shows another pose: that of ``shown``.
+            The frame, as for `tick_of`. A repeated frame shows another pose, at tick ``shown``.
 
         Returns
         -------
@@ -102,7 +102,7 @@ class LabTruth:
         Raises
         ------
         TypeError, ValueError
-            As `tick_of`.
+            Like `tick_of`.
         """
         pose: Floats = self.pose[self.tick_of(frame) - self.first]
         return pose

@@ -16,9 +16,9 @@ from robsim.base.checks import Floats, check_float, check_size
 class Lens:
     """A lens that distorts radially, about the centre of the frame.
 
-    What an ideal lens would show at the distance r from the centre, in halves of the frame's
-    diagonal, appears at the distance r (1 + k1 r^2 + k2 r^4): with k1 = -0.04 the corners move in
-    by 4 %.
+    In an ideal picture, a point has the distance r from the centre, in halves of the frame's
+    diagonal. This lens moves the point to r (1 + k1 r^2 + k2 r^4): with k1 = -0.04 the corners move
+    in by 4 %.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Lens:
         check_float("k2", self.k2)
 
     def distorted(self, pixels: ArrayLike, size: tuple[int, int]) -> Floats:
-        """Return where frames show what an ideal lens would show at these pixels.
+        """Return the frame pixels of points that an ideal lens shows at `pixels`.
 
         Parameters
         ----------

@@ -1,1 +1,1 @@
-"""The patterns that are printed for a calibration: drawn, written, found in pictures."""
+"""The printed patterns of a calibration: drawing, saving and finding them in pictures."""

@@ -64,23 +64,23 @@ class Chessboard:
 
     @property
     def rectangles(self) -> list[Rectangle]:
-        """Left, top, width and height of what is black (mm)."""
+        """Left, top, width and height of the black areas (mm)."""
         return _squares(self.columns + 1, self.rows + 1, self.square)
 
     @property
     def label(self) -> str:
-        """What is printed below."""
+        """The printed text below the board."""
         return f"chessboard, --board {self.columns}x{self.rows} --square {self.square:g}"
 
     def find(self, image: Pixels) -> Corners | None:
-        """Return all inner corners of the board in an RGB picture; None if it does not show all.
+        """Return all inner corners of the board in an RGB picture; None unless all are visible.
 
         Raises
         ------
         ImportError
             If OpenCV is not installed.
         TypeError, ValueError
-            If `image` is no picture.
+            If `image` is not a picture.
         """
         cv2 = load_opencv(PURPOSE)
         gray = gray_of(image)
@@ -98,7 +98,7 @@ class Chessboard:
         return next((one for one in grids if one is not None), None)
 
     def _tries(self, cv2: Any, gray: Pixels) -> Iterator[Floats]:
-        """Yield about where detectors have the corners; none of them finds all boards."""
+        """Yield approximate corners from several detectors; no detector finds all boards."""
         size = (self.columns, self.rows)
         for flags in (cv2.CALIB_CB_NORMALIZE_IMAGE, 0):
             found, pixels = cv2.findChessboardCornersSB(gray, size, flags=flags)
@@ -110,7 +110,7 @@ class Chessboard:
             yield np.asarray(pixels, float)
 
     def _flattened(self, cv2: Any, gray: Pixels) -> Floats | None:
-        """Return the corners that are found where a part of the board is mapped to squares."""
+        """Return the corners found after mapping a part of the board to squares."""
         reach = max(self.columns, self.rows) + 1  # squares from the part to the farthest edge
         bounds = np.array(gray.shape[::-1]) - _MARGIN
         for steps, centre in _parts(cv2, gray):
@@ -128,10 +128,10 @@ class Chessboard:
         return None
 
     def _refined(self, cv2: Any, gray: Pixels, about: Floats) -> Floats | None:
-        """Return the corners (rows, columns, 2); None if no board of this size is there."""
+        """Return the corners (rows, columns, 2); None without a board of this size."""
         raw = about.reshape(self.rows, self.columns, 2)
         fine = _saddle_points(cv2, gray, about, 0.5 * _shortest(raw)).reshape(raw.shape)
-        even = (one for one in (fine, raw) if _is_even(one))  # noise may lead the fine ones astray
+        even = (one for one in (fine, raw) if _is_even(one))  # noise may distort the fine corners
         return next((one for one in even if has_squares(cv2, gray, one)), None)
 
 
@@ -212,7 +212,7 @@ def _parts(cv2: Any, gray: Pixels) -> Iterator[tuple[Floats, Floats]]:
 
 @dataclass(frozen=True)
 class Charuco:
-    """A chessboard with marks in its white squares: it may reach beyond the picture.
+    """A chessboard with marks in its white squares; it may extend beyond the picture.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ class Charuco:
 
     @property
     def label(self) -> str:
-        """What is printed below."""
+        """The printed text below the board."""
         return f"ChArUco, --board {self.columns}x{self.rows} --square {self.square:g} --charuco"
 
     @cached_property
@@ -256,7 +256,7 @@ class Charuco:
 
     @property
     def rectangles(self) -> list[Rectangle]:
-        """Left, top, width and height of what is black (mm)."""
+        """Left, top, width and height of the black areas (mm)."""
         black = _squares(self.columns, self.rows, self.square)
         for number, corners in zip(
             self._board.getIds().ravel(), self._board.getObjPoints(), strict=True
@@ -266,14 +266,14 @@ class Charuco:
         return black
 
     def find(self, image: Pixels) -> Corners | None:
-        """Return the corners in an RGB picture, six at least; None if there are fewer.
+        """Return at least six corners in an RGB picture; None if there are fewer.
 
         Raises
         ------
         ImportError
             If OpenCV is not installed.
         TypeError, ValueError
-            If `image` is no picture.
+            If `image` is not a picture.
         """
         cv2 = load_opencv(PURPOSE)
         options = cv2.aruco.CharucoParameters()
@@ -298,7 +298,7 @@ class Charuco:
 
 
 def _saddle_points(cv2: Any, gray: Pixels, pixels: Any, reach: float) -> Floats:
-    """Return (N, 2) where four squares meet, from about where; `reach` is how far to look (px)."""
+    """Return (N, 2) points where four squares meet, near `about`; `reach` is the radius (px)."""
     window = int(np.clip(reach, 2, 9))
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
     about = np.ascontiguousarray(pixels, np.float32).reshape(-1, 1, 2)

@@ -1,4 +1,4 @@
-"""`FloorSheet`: large marks to lay on the floor, and how they are found in pictures."""
+"""`FloorSheet`: large marks to lay on the floor, and their detection in pictures."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def _meeting(one: Floats, other: Floats) -> Floats:
     return np.stack([x, y], axis=-1)
 
 
-#: Floor sheets that can be told apart.
+#: The number of distinct floor sheets.
 MOST_SHEETS = 16
 _MARKS = 3, 2  # of a floor sheet, across and down
 _GAP = 0.15  # between them, of the side of a mark
@@ -115,7 +115,7 @@ class FloorSheet:
     Parameters
     ----------
     number : int
-        1 to 16; no two sheets of one number may lie on the floor.
+        1 to 16; sheets on the same floor must have different numbers.
     mark : float
         Side of a mark, measured on the print (mm).
     """
@@ -136,7 +136,7 @@ class FloorSheet:
 
     @property
     def label(self) -> str:
-        """What is printed below."""
+        """The printed text below the sheet."""
         return f"floor sheet {self.number}, --mark {self.mark:g}"
 
     @property
@@ -153,7 +153,7 @@ class FloorSheet:
 
     @property
     def rectangles(self) -> list[Rectangle]:
-        """Left, top, width and height of what is black (mm)."""
+        """Left, top, width and height of the black areas (mm)."""
         return [
             rectangle
             for number, left, top in self._places
@@ -189,26 +189,26 @@ def find_marks(image: Pixels) -> list[tuple[int, Floats]]:
 
 
 def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
-    """Return what a picture shows of each floor sheet, by its number.
+    """Return the visible marks of each floor sheet in a picture, by sheet number.
 
     Parameters
     ----------
     image : array (H, W, 3) of uint8
-        RGB.
+        RGB picture.
     mark : float
         Side of a mark (mm).
 
     Returns
     -------
     dict of int to Corners
-        The corners of the marks that were found, from the centre of each sheet.
+        The corners of the found marks, from the centre of each sheet.
 
     Raises
     ------
     ImportError
         If OpenCV is not installed.
     TypeError, ValueError
-        If an argument has another type, or is out of range. If the picture is mirrored.
+        If an argument has the wrong type, or is out of range, or if the picture is mirrored.
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     seen: dict[int, list[tuple[int, Floats]]] = {}
@@ -221,7 +221,7 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
     if twice := [sheet for sheet, marks in seen.items() if len(dict(marks)) < len(marks)]:
         raise ValueError(
             f"pictures must show each floor sheet once, got sheet {min(twice)} twice in one: give "
-            "each a number of its own (robsim calibrate sheet --number), and cover the other"
+            "each sheet its own number (robsim calibrate sheet --number), and cover the other"
         )
     found = {}
     for sheet, marks in sorted(seen.items()):

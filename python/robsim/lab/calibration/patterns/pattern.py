@@ -1,4 +1,4 @@
-"""What the printed patterns share: rectangles, marks, the corners that were found."""
+"""The base of the printed patterns: rectangles, marks, the found corners."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ Pixels = NDArray[np.uint8]
 
 _LARGEST = 32_767  # px
 
-#: What OpenCV is needed for.
+#: The purpose of OpenCV.
 PURPOSE = "finding a calibration pattern"
 
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """What was found of a pattern in a picture.
+    """The found corners of a pattern in a picture.
 
     Attributes
     ----------
     positions : array (N, 2)
         Positions on the printed pattern, x to the right and y down (mm).
     pixels : array (N, 2)
-        Where they are in the picture: (u, v), an integer is a pixel's centre.
+        Positions in the picture: (u, v), an integer is a pixel's centre.
     """
 
     positions: Floats

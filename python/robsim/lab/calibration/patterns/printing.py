@@ -27,7 +27,7 @@ class Text:
 
     @property
     def width(self) -> float:
-        """About how wide it is (mm)."""
+        """Approximate width (mm)."""
         return 0.5 * self.size * len(self.text) * _MM
 
 
@@ -37,10 +37,10 @@ def pdf_page(
     texts: list[Text],
     title: str,
 ) -> bytes:
-    """Return a PDF file of one page; a program that prints it is told not to scale it.
+    """Return a PDF file of one page, which programs should print without scaling.
 
-    The size is the paper's (mm). Of each black rectangle there are left, top, width and height (mm
-    from the top left corner, y down). Texts are printable ASCII; viewers show the title.
+    The size is the paper's (mm). Each black rectangle has left, top, width and height (mm from the
+    top left corner, y down). Texts are printable ASCII; viewers show the title.
     """
     width, height = size
     lines = ["0 g", f"{_POINTS:.10f} 0 0 {_POINTS:.10f} 0 0 cm"]  # from here on in mm
@@ -114,7 +114,7 @@ def save_sheet(
     path : path
         The PDF file to write.
     pattern : Chessboard, Charuco or FloorSheet
-        What it shows.
+        The pattern to print.
     paper : str
         ``"A4"``, ``"A3"``, ``"A2"``, ``"A1"``, ``"A0"`` or ``"letter"``; landscape.
 
@@ -136,7 +136,7 @@ def save_sheet(
     """
     file = as_path(path)
     if file.suffix.lower() != ".pdf":
-        raise ValueError(f"{one_line(file)}: the name of a sheet must end in .pdf")
+        raise ValueError(f"{one_line(file)}: the file name must end in .pdf")
     if not isinstance(pattern, (Chessboard, Charuco, FloorSheet)):
         raise TypeError(
             f"pattern must be a Chessboard, a Charuco or a FloorSheet, got {quoted(pattern)}"
@@ -149,9 +149,9 @@ def save_sheet(
 def page_of(
     pattern: Chessboard | Charuco | FloorSheet, page: tuple[float, float], paper: str
 ) -> tuple[list[Rectangle], list[Text]]:
-    """Return what is black on a page (mm from its top left corner), and its texts."""
+    """Return the black areas of a page (mm from its top left corner), and its texts."""
     (width, height), (wide, tall) = page, pattern.size
-    # White all around: without it, the outermost squares are not found.
+    # A white border all around, because otherwise the outermost squares are not found.
     if wide > width - 2 * _EDGE or tall > height - 2 * _EDGE - _LABELS:
         raise ValueError(
             f"pattern must fit on {paper}, at most {width - 2 * _EDGE:g} x "

@@ -34,7 +34,7 @@ def why_unseen(board: Chessboard | Charuco, image: Pixels) -> str:
     if grid is None:
         dim = np.quantile(small, 0.99) < 40
         blur = _rise(cv2, small) > _SOFT
-        return "too dark" if dim else "blurred" if blur else "too few corners are found, or none"
+        return "too dark" if dim else "blurred" if blur else "too few corners found"
     longer, shorter = sorted(grid.shape[:2], reverse=True)
     steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2) for axis in (0, 1)]
     side = float(min(map(np.median, steps)))

@@ -1,1 +1,1 @@
-"""What cameras are read with: a module for each kind."""
+"""The readers of cameras: a module for each kind."""

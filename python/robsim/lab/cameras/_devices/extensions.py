@@ -1,4 +1,4 @@
-"""What FireWire and GigE Vision share: an extension of robsim, and what a camera sends."""
+"""The common part of FireWire and GigE Vision: an extension of robsim, and camera data."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from robsim.lab.cameras.errors import NoBackEndError
 
 @dataclass(frozen=True, kw_only=True)
 class Extension:
-    """An extension that may not be built, or whose library may not be installed."""
+    """An extension that may be missing, like its library."""
 
     module: str  # such as "robsim._firewire"
     cameras: str
     library: str
-    debian: str  # a package of the library, as of Fedora
+    debian: str  # the library's package in Debian
     fedora: str
-    development: str  # the package of Debian to build with
+    development: str  # Debian's package for building
 
     def load(self) -> Any:
         """Return the module; a NoBackEndError names the packages to install."""
@@ -39,7 +39,7 @@ class Extension:
 
 @dataclass(frozen=True, kw_only=True)
 class Sent:
-    """What an open camera sends, as it tells: its name, and what is None or 0 if unknown."""
+    """The reported output of an open camera: its name, and values; None or 0 = unknown."""
 
     name: str
     fps: float  # 1/s

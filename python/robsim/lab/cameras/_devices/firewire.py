@@ -29,9 +29,9 @@ EXTENSION = Extension(
 
 
 def new_camera(url: str, wishes: Wishes) -> Any:
-    """Return the device of an address such as ``"firewire://"``; it is not open yet.
+    """Return the closed device of an address such as ``"firewire://"``.
 
-    ValueError: the address is wrong. NoBackEndError: the extension is missing here.
+    ValueError: the address is invalid. NoBackEndError: the extension is missing.
     """
     choice = url.removeprefix(f"{SCHEME}://").lower()
     if not re.fullmatch(r"|[0-9]{1,2}|[0-9a-f]{16}", choice):
@@ -44,7 +44,7 @@ def new_camera(url: str, wishes: Wishes) -> Any:
 
 
 def sent_by(device: Any) -> Sent:
-    """Return what an open device sends."""
+    """Return the output of an open device."""
     video = device.video
     return Sent(
         name=f"the FireWire camera {device.guid}",

@@ -1,4 +1,4 @@
-"""How old the frames of a stream are, by the stamps of its camera."""
+"""The age of a stream's frames, from its camera's time stamps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Freshness:
         self._n_starts = self._n_in_step = 0
 
     def age(self, stamp: float, clock: float) -> float | None:
-        """Return the age of the next frame (s); None if its stamp tells nothing.
+        """Return the age of the next frame (s); None if its stamp gives no age.
 
         Infinite at a start of the stamps while frames come faster than they were taken: a backlog,
         whose least lag is still to come. FFmpeg stamps the first two alike.

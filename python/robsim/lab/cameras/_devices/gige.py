@@ -24,21 +24,21 @@ EXTENSION = Extension(
     library="Aravis 0.8",
     debian="libaravis-0.8-0",
     fedora="aravis",
-    # Debian's aravis-0.8.pc asks for libusb-1.0, which its package does not bring.
+    # Debian's aravis-0.8.pc requires libusb-1.0, which its package does not install.
     development="libaravis-dev libusb-1.0-0-dev",
 )
 
-#: Bytes: where a socket gets less, packets of large frames are lost.
+#: Bytes: with a smaller socket buffer, packets of large frames are lost.
 ENOUGH_RECEIVE_BUFFER = 4 << 20
 
 
 def new_camera(url: str, wishes: Wishes) -> GigeCamera:
-    """Return the device of an address such as ``"gige://192.168.1.20"``; it is not open yet.
+    """Return the closed device of an address such as ``"gige://192.168.1.20"``.
 
-    After a question mark stands what is chosen seldom: ``format``, a pixel format of GenICam in
-    place of the coding, and ``packet_size`` (bytes).
+    Rare options follow a question mark: ``format``, a pixel format of GenICam instead of the
+    coding, and ``packet_size`` (bytes).
 
-    ValueError: the address is wrong. NoBackEndError: the extension is missing here.
+    ValueError: the address is invalid. NoBackEndError: the extension is missing.
     """
     parts = urlsplit(url)
     if not parts.netloc or parts.path.strip("/"):
@@ -61,9 +61,9 @@ def new_camera(url: str, wishes: Wishes) -> GigeCamera:
 
 
 def sent_by(device: GigeCamera) -> Sent:
-    """Return what an open device sends."""
+    """Return the output of an open device."""
     info = device.info
-    assert info is not None  # it is open
+    assert info is not None  # the device is open
     return Sent(
         name=f"the GigE camera {info['serial'] or info['address']}",
         fps=info["fps"],
@@ -74,8 +74,8 @@ def sent_by(device: GigeCamera) -> Sent:
 
 
 def largest_receive_buffer() -> int | None:
-    """Return how many bytes a socket may keep; None = unknown."""
+    """Return the largest receive buffer of a socket in bytes; None = unknown."""
     try:
         return int(Path("/proc/sys/net/core/rmem_max").read_text())
-    except (OSError, ValueError):  # of Linux alone
+    except (OSError, ValueError):  # Linux only
         return None

@@ -104,7 +104,7 @@ class Parts:
 
 
 class _Answers(request.HTTPErrorProcessor):
-    """Leaves out the text of an error or a redirect, which may be endless."""
+    """Ignores the text of an error or a redirect, which may be endless."""
 
     def http_response(self, request: request.Request, response: HTTPResponse) -> HTTPResponse:
         if response.status != 200:
@@ -116,10 +116,10 @@ class _Answers(request.HTTPErrorProcessor):
 
 
 class HttpCamera:
-    """The camera in Python of an address, opened once; its images are BGR.
+    """The HTTP camera of an address, opened once; its images are BGR.
 
-    The url is ``http://host:port/path``; ``http://user:password@host`` logs in where that is asked
-    for, and nowhere else. A thread reads the stream and keeps its newest whole image.
+    The url is ``http://host:port/path``; ``http://user:password@host`` logs in if that host
+    requires a login. A thread reads the stream and keeps its newest whole image.
     """
 
     def __init__(self, url: str, open_timeout: float) -> None:
@@ -147,7 +147,7 @@ class HttpCamera:
         self._n_passed = self._n_torn = 0
 
     def open(self) -> None:
-        """Ask for the stream."""
+        """Request the stream."""
         threading.Thread(target=self._run, daemon=True).start()
         with self._changed:
             self._changed.wait_for(lambda: self._response or self._end, self.open_timeout)
@@ -177,7 +177,7 @@ class HttpCamera:
             self._changed.notify()
 
     def _asked(self) -> HTTPResponse:
-        """Return the answer, of HTTP alone and of no proxy."""
+        """Return the answer, only by HTTP and without a proxy."""
         opener = request.OpenerDirector()
         for handler in (
             *(request.HTTPHandler(), request.HTTPSHandler(), request.UnknownHandler()),
@@ -192,7 +192,7 @@ class HttpCamera:
         except HTTPError as error:
             if error.code in (401, 403):
                 raise NoPermissionError(
-                    f"{self.name} answers {error.code}: give user and password in the address, as "
+                    f"{self.name} answers {error.code}: pass user and password in the address, as "
                     "http://user:password@host/path; no other host gets them"
                 ) from None
             why, place = str(error.reason).partition("\n")[0], error.headers.get("Location", "")
@@ -200,7 +200,7 @@ class HttpCamera:
             raise NoCameraError(f"{self.name} answers {said}: is the path right?") from None
         except (HTTPException, ValueError) as error:
             raise NoCameraError(
-                f"{self.name} gives no answer of HTTP that is known ({cut(error)}): is it a camera?"
+                f"{self.name} gives no valid HTTP answer ({cut(error)}): is it a camera?"
             ) from None
         except OSError as error:
             reason = getattr(error, "reason", error)
@@ -222,7 +222,7 @@ class HttpCamera:
             return Parts(line.rstrip()), begun
         what = "a single image" if begun.startswith(b"\xff\xd8") else cut(kind)
         raise CaptureError(
-            f"{self.name} sends {what} and no MJPEG stream: give the address of that, or "
+            f"{self.name} sends {what} and no MJPEG stream: pass the stream's address, or "
             "back_end='ffmpeg'"
         )
 
@@ -238,7 +238,7 @@ class HttpCamera:
                 self._changed.notify()
 
     def read(self) -> tuple[Any, None, float, int, int] | None:
-        """Return the newest image as `PythonCamera` wants it, or None if none has come yet."""
+        """Return the newest image in the form of `PythonCamera`, or None without an image."""
         with self._changed:
             self._changed.wait_for(lambda: self._newest or self._n_torn or self._end, _WAIT)
             newest, n_passed, n_torn = self._newest, self._n_passed, self._n_torn
@@ -253,7 +253,7 @@ class HttpCamera:
         return pixels(image), None, arrived, n_passed, n_torn
 
     def close(self) -> None:
-        """End the thread, wherever it waits."""
+        """End the thread during any wait."""
         with self._changed:
             self._end = self._end or UnpluggedError(f"{self.name} is closed")
         if self._response is not None:

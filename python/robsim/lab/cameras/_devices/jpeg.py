@@ -15,7 +15,7 @@ from robsim.vision.imaging.images import MOST_PIXELS
 def decoded(data: bytes) -> Any:
     """Return the pixels of a JPEG image, BGR, array (H, W, 3); None if it is torn.
 
-    Decoders fill up what is missing: Pillow if there is an end marker, FFmpeg and OpenCV always.
+    Decoders fill up missing parts: Pillow if there is an end marker, FFmpeg and OpenCV always.
     """
     return pixels(data) if is_whole_jpeg(data) else None
 

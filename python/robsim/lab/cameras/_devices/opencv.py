@@ -1,4 +1,4 @@
-"""What OpenCV opens: a camera by number, and streams."""
+"""Cameras opened by OpenCV: by number, and streams."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _NUMBER = {
     "avfoundation": "CAP_AVFOUNDATION",
 }
 
-# s: a stream that stalls for less goes on afterwards.
+# s: a stream with a shorter stall continues afterwards.
 _STALL = 5.0
 
 
@@ -46,17 +46,17 @@ def is_rtsp(source: int | str) -> bool:
 
 
 def back_ends(cv2: Any) -> tuple[str, ...]:
-    """Return those of our back ends that OpenCV was built with."""
+    """List the supported back ends that this OpenCV build includes."""
     has = cv2.videoio_registry.hasBackend
     return tuple(name for name, number in _NUMBER.items() if has(getattr(cv2, number)))
 
 
 class OpenCvCamera:
-    """The camera in Python of what OpenCV opens by number or address; its images are BGR.
+    """The camera of a number or address opened by OpenCV; its images are BGR.
 
     A camera by number receives requests of a size (width, height in px) and a rate (1/s). A stream
-    opens within `open_timeout` (s). Old frames of RTSP, whose stamps are the camera's, are passed
-    over. NoBackEndError: OpenCV, or this back end of it, is missing.
+    opens within `open_timeout` (s). Old RTSP frames, by the camera's stamps, are skipped.
+    NoBackEndError: OpenCV, or this back end of OpenCV, is missing.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class OpenCvCamera:
         fps: float | None = None,
         open_timeout: float = 5.0,
     ) -> None:
-        #: The arguments, to open it elsewhere.
+        #: The arguments for opening the camera in another process.
         self.options: dict[str, Any] = {
             **{"source": source, "back_end": back_end, "size": size, "fps": fps},
             "open_timeout": open_timeout,
@@ -98,12 +98,12 @@ class OpenCvCamera:
         self._n_passed = 0
 
     def check(self) -> None:
-        """Raise what can be known to be wrong without opening it."""
+        """Raise errors that are detectable without opening the camera."""
         if self._node is not None:
             _check_node(self._node)
 
     def open(self) -> None:
-        """Open it, once."""
+        """Open the camera, once."""
         with quiet(self._cv2):
             self._capture = self._cv2.VideoCapture(self._source, self._back_end, self._parameters())
         if self._capture.isOpened():
@@ -118,11 +118,11 @@ class OpenCvCamera:
             )
         if self._node is not None:
             raise CameraBusyError(
-                f"{self._node} is there but does not open: another program has it (fuser "
+                f"{self._node} exists but does not open: another program uses it (fuser "
                 f"{self._node} names it), or it is no camera (try the next number)"
             )
         raise NoCameraError(
-            f"{self.name} does not open: is it plugged in, and has another program got it?"
+            f"{self.name} does not open: is it plugged in, and does another program use it?"
         )
 
     def _parameters(self) -> list[int]:
@@ -139,7 +139,7 @@ class OpenCvCamera:
         return parameters
 
     def _takes_packets(self) -> bool:
-        """Ask for the packets of MJPEG: FFmpeg would fill torn images up."""
+        """Request the packets of MJPEG, because FFmpeg would fill up torn images."""
         code = int(self._capture.get(self._cv2.CAP_PROP_FOURCC))
         is_mjpeg = self._has_timeouts and code.to_bytes(4, "little") == b"MJPG"
         return is_mjpeg and bool(self._capture.set(self._cv2.CAP_PROP_FORMAT, -1))
@@ -157,7 +157,7 @@ class OpenCvCamera:
             raise unreached(self.name, self.open_timeout, error) from error
 
     def read(self) -> tuple[Any, float | None, float, int, int] | None:
-        """Return the next image as `PythonCamera` wants it; None if it was old."""
+        """Return the next image in the form of `PythonCamera`; None if it was old."""
         begun = time.monotonic()
         with quiet(self._cv2):
             is_read = self._capture.grab()
@@ -175,7 +175,7 @@ class OpenCvCamera:
             return image, None if age is None else arrived - age, arrived, n_passed, 0
         if time.monotonic() - begun > 0.9 * _STALL:
             raise FrameTimeoutError(f"{self.name} has sent nothing for {_STALL:g} s")
-        raise UnpluggedError(f"{self.name} delivers no more: was it switched off or unplugged?")
+        raise UnpluggedError(f"{self.name} stopped delivering: was it switched off or unplugged?")
 
     def _age(self, arrived: float) -> float | None:
         if self._freshness is None:
@@ -183,7 +183,7 @@ class OpenCvCamera:
         return self._freshness.age(self._capture.get(self._cv2.CAP_PROP_POS_MSEC) / 1000, arrived)
 
     def close(self) -> None:
-        """Give it back."""
+        """Release the camera."""
         if self._capture is not None:
             self._capture.release()
         self._capture = None
@@ -192,7 +192,7 @@ class OpenCvCamera:
 def _check_node(node: str) -> None:
     if not os.path.exists(node):
         raise NoCameraError(
-            f"there is no {node}: is the camera plugged in? `robsim cameras` lists what is there"
+            f"there is no {node}: is the camera plugged in? `robsim cameras` lists all cameras"
         )
     if not os.access(node, os.R_OK | os.W_OK):
         raise NoPermissionError(no_permission(node))

@@ -1,4 +1,4 @@
-"""A video file or a folder of images, played at its own times."""
+"""A video file or a folder of images, played at its own rate."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Playback:
         self._next = self._start = None
 
     def read(self) -> tuple[Any, float] | None:
-        """Return the next frame and its time, or None if that has not come yet."""
+        """Return the next frame and its time, or None before its time."""
         if self._next is None:
             try:
                 self._next = next(self._frames)

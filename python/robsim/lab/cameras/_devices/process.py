@@ -49,18 +49,18 @@ class CameraHere:
 
 
 class CameraProcess:
-    """The camera in Python of another one, which a separate process reads.
+    """A Python camera that a separate process reads.
 
-    In this one, each frame would need the interpreter: while a callback keeps it, frames would wait
-    and come late, with the time of when they were read. The process ends with `close` and with its
-    reader, and OpenCV can neither hang nor crash it. The camera is not opened here.
+    In this process, each frame would need the interpreter: while a callback keeps the interpreter,
+    frames would arrive late, with the time of reading. The process ends with `close` and with its
+    reader, and OpenCV can neither hang nor crash the reader. The camera is not opened here.
 
     Parameters
     ----------
     camera : object
-        As `CameraHere` has it, with `name`, `open_timeout` and `options`, the arguments of another.
+        Like `CameraHere`, with `name`, `open_timeout` and `options`, the arguments of another.
     environment : dict of str to str
-        Variables that the process has in addition.
+        Additional variables of the process.
     """
 
     def __init__(self, camera: Any, environment: Mapping[str, str]) -> None:
@@ -72,7 +72,7 @@ class CameraProcess:
         self._is_interrupted = False
 
     def open(self) -> int:
-        """Start the process; return the descriptor of the socket that its frames come from."""
+        """Start the process; return the descriptor of the socket for its frames."""
         self.close()
         self._frames, theirs = socket.socketpair()
         theirs.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _ROOM)
@@ -110,7 +110,7 @@ class CameraProcess:
                     f"{self.name} was not opened within {_START + self._camera.open_timeout:g} s"
                 ) from None
             if not received:
-                raise CaptureError(f"{self.name}: the process that reads it has ended at its start")
+                raise CaptureError(f"{self.name}: the process that reads it ended at its start")
             data += received
         return data
 
@@ -131,5 +131,5 @@ class CameraProcess:
                 frames.shutdown(socket.SHUT_RDWR)
 
     def read(self) -> Any:
-        """Return nothing: the frames come from the socket."""
+        """Return nothing: the frames arrive at the socket."""
         return None

@@ -1,4 +1,4 @@
-"""The process that reads a camera in Python, and sends its frames to the one that opened it."""
+"""The process that reads a Python camera, and sends its frames to the parent process."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ def main(descriptor: int, module: str, name: str, options: dict[str, Any]) -> No
 
 
 def _end_with(frames: socket.socket, parent: int) -> None:
-    """End this process with the one that reads, even while the camera hangs."""
+    """End this process with its reader, even while the camera hangs."""
     while os.getppid() == parent:
         ready, _, _ = select.select([frames], [], [], _BETWEEN_LOOKS)
-        if ready:  # nothing is ever sent here but the end
+        if ready:  # readable only at the end
             break
     os._exit(0)
 
@@ -79,4 +79,4 @@ def _send(
         frames.sendall(HEAD.pack(kind, shape[1], shape[0], len(body), passed, torn, arrived, when))
         frames.sendall(body)
     except OSError:
-        sys.exit()  # nobody reads any more
+        sys.exit()  # the reader has ended
