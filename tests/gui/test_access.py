@@ -23,7 +23,7 @@ _NAMELESS = (
   return controls().filter((e) => !nameOf(e)).map((e) => e.outerHTML.slice(0, 120));
 }"""
 )
-#: Texts whose contrast is below 4.5; what is disabled or lies on a picture may have less.
+#: Texts with a contrast below 4.5. Disabled ones and those on a picture may have less.
 _FAINT = (
     "() => {"
     + _SEEN
@@ -31,7 +31,10 @@ _FAINT = (
   const pen = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
   const paint = (colors) => {
     pen.clearRect(0, 0, 1, 1);
-    for (const color of colors) { pen.fillStyle = color; pen.fillRect(0, 0, 1, 1); }
+    for (const color of colors) {
+      pen.fillStyle = color;
+      pen.fillRect(0, 0, 1, 1);
+    }
     return [...pen.getImageData(0, 0, 1, 1).data].slice(0, 3);
   };
   const light = (pixel) => {

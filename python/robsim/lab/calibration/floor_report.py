@@ -202,7 +202,7 @@ class FloorCalibration(Report):
                 f"{point}{worst.name} fits worst, {worst.mm:.0f} mm off: check its position"
                 f"{self._others_hint}"
                 if self._tells_wrong
-                else f"one point of {len(self._used)} is wrong: another one separates it from all others"
+                else f"one point of {len(self._used)} is wrong: another one separates it"
             )
             yield (
                 "rms",
