@@ -76,7 +76,7 @@ Limits of the inputs of a robot's motors.
 
 Both motors are scaled by one factor, so that the robot drives the same curve more slowly. Separate
 limits would change the curve. The change from one input to the next is
-scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes unchanged.
+scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes immediately.
 
 Parameters
 ----------

@@ -1900,7 +1900,7 @@ class Limits:
     
     Both motors are scaled by one factor, so that the robot drives the same curve more slowly. Separate
     limits would change the curve. The change from one input to the next is
-    scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes unchanged.
+    scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes immediately.
     
     Parameters
     ----------

@@ -54,7 +54,8 @@ def campaign(
         either. A function returns a number, a dict of numbers, or a `Report`, which gives its
         numbers. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
         (both of the estimate; heading in rad), ``"parameters"`` (the last online estimate),
-        ``"batch"``. Scores require arguments, such as
+        ``"batch"``. Scores require arguments, such as ``functools.partial(robsim.score_path,
+        waypoints=square)``, or `robsim.control.score_pose`.
     runs : int
         Number of runs of each case.
     steps : int

@@ -40,8 +40,8 @@ def calibrate(
 
     The correct solutions in solutions/ are run until their limits are known: an equally good
     solution hardly ever misses these, for any distribution of the scores. Then the wrong ones are
-    run. The output shows the number of tests in which each gets less than full points.
-    Calibration takes some minutes. After Ctrl-C, the same command continues. Then robsim grade
+    run. The output shows the number of tests in which each gets less than full points. Calibration
+    takes some minutes. After Ctrl-C, the same command continues. Then robsim grade
     --regrade applies the new limits to results with provisional limits.
 
     --false-fail SHARE: Largest probability that a correct solution gets less than full points in a
@@ -99,9 +99,9 @@ def new(
     TEMPLATE is park, follow, identify, measure, estimate, or a notebook such as 02_park.
 
     For a task the folder gets its own key and numbers, a sheet, solutions and provisional limits.
-    First these are the limits of the shipped task, after a minute or two the folder's own.
-    All commands work with provisional limits, and report them. robsim assignment calibrate finds
-    exact limits. README.md describes the files.
+    First these are the limits of the shipped task, after a minute or two the folder's own. All
+    commands work with provisional limits, and report them. robsim assignment calibrate finds exact
+    limits. README.md describes the files.
 
     For a notebook the folder gets a key, a sheet and the notebook. Each exercise has a public and a
     hidden test. It needs no calibration.

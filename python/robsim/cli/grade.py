@@ -87,8 +87,8 @@ def grade(
     be isolated. It is 2 if the assignment is incomplete or broken, or if something could not be
     graded.
 
-    robsim grade --check-isolation reports the isolation on this machine. Tests
-    without an assignment: python -m pytest --robsim-submission=PATH TESTS.py.
+    robsim grade --check-isolation reports the isolation on this machine. Tests without an
+    assignment: python -m pytest --robsim-submission=PATH TESTS.py.
 
     ASSIGNMENT: The folder of the assignment.
     SUBMISSIONS: A folder with one for each student: a folder, a Python file, a notebook or a zip;

@@ -88,10 +88,9 @@ class Experiment(Runner):
         for the first. Otherwise the robot is stopped and the run ends with a TimeoutError. The
         limit covers late frames and slow callbacks, and also callbacks that hold the interpreter,
         if `send` works without the interpreter. A watchdog in a separate thread stops the robot,
-        also after
-        `step`. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s without a
-        ``dt``. It grows to twice the longest time between two taken frames, up to 0.3 s. Without
-        `send` no limit (inf).
+        also after `step`. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s
+        without a ``dt``. It grows to twice the longest time between two taken frames, up to 0.3 s.
+        Without `send` no limit (inf).
     limits : robsim.lab.Limits, optional
         Limits on the inputs, applied before sending. ``step.u`` and the trace have the inputs as
         sent.
@@ -350,8 +349,7 @@ class Experiment(Runner):
         if isinstance(self._motors, MotorLink) and self._motors.is_silent:
             doubts.append(
                 f"the robot at {self._motors.name} has not answered for a second: check the line "
-                "and "
-                "the robot's power"
+                "and the robot's power"
             )
         return doubts
 

@@ -363,8 +363,9 @@ class Runner(Slotted):
 
         Parameters
         ----------
-        Seed of the next run. Default: the same seed, which repeats the last run exactly if no
-        callback keeps its own state.
+        seed : int, SeedSequence or Generator, optional
+            Seed of the next run. Default: the same seed, which repeats the last run exactly if no
+            callback keeps its own state.
         """
         new_seed = None if seed is None else seeds.seed_sequence(seed)
         callbacks = self._folder.load() if self._folder else None

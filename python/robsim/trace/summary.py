@@ -25,8 +25,8 @@ class TraceSummary(Report):
     ----------
     steps : int
         Number of steps.
-    Number of the first step.
-        Number of the first one.
+    first_step : int
+        Number of the first step.
     dt : float
         Sample time (s).
     known : dict of str to int

@@ -315,8 +315,8 @@ def measurement_bound(
         mu = level_kc + contrast_kc K
 
     K is the integral over the marker of a normal distribution around the pixel [2]_. For a polygon
-    for a curve it is Phi(d / w), d px within the edge. The standard deviation w of the blur, and
-    all levels and contrasts are as unknown as the pose. With the information J(mu) of a
+    that stands for a curve it is Phi(d / w), d px within the edge. The standard deviation w of the
+    blur, and all levels and contrasts are as unknown as the pose. With the information J(mu) of a
     pixel the pose has the information
 
         N = sum_ic J(mu_ic) g_ic g_ic',   g_ic = d mu_ic / d(pose, ln w, levels, contrasts)

@@ -141,8 +141,8 @@ def whiteness(
 
     Parameters
     ----------
-    N steps, or M independent runs of N steps; NaN = not seen: such a step belongs to no pair.
-        N steps, or M independent runs of N steps; NaN = not seen: such a step is in no pair.
+    innovation : array (N, n) or (M, N, n)
+        N steps, or M independent runs of N steps; NaN = not seen: such a step belongs to no pair.
     S : array (n, n) or (..., N, n, n), optional
         The innovation covariance. With it the n components are decorrelated first.
     lags : int, optional

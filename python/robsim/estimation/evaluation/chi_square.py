@@ -18,8 +18,8 @@ def chi_square_band(n: int, *, runs: ArrayLike = 1, level: float = 0.95) -> Floa
     ----------
     n : int
         Degrees of freedom: 3 for the NEES of a pose, 2 for the NIS of a position.
-    Number of independent values in the average; 0 = no values.
-        Number of independent values that are averaged; 0 = none.
+    runs : int or array (...) of int
+        Number of independent values in the average; 0 = no values.
     level : float
         Probability that a value lies in the band.
 

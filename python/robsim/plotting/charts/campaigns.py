@@ -40,10 +40,10 @@ def plot_campaign(
         From `robsim.campaign`.
     metric : str
         One of ``result.metrics``.
-    An option with numbers as labels.
-        An option whose labels are numbers.
-    Axes to draw in. Default: a new figure of 6 x 3.6 inches.
-        Where to draw. Default: a new figure of 6 x 3.6 inches.
+    over : str, optional
+        An option with numbers as labels.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in. Default: a new figure of 6 x 3.6 inches.
 
     Returns
     -------

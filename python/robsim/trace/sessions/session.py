@@ -95,8 +95,8 @@ class Session:
 
     In the frame ``area``, the work area, x points right, y down, z into the floor; in ``map`` y and
     z point up. ``robot`` has the axes of the area, turned by the heading; in ``base_link`` z points
-    up. ``camera`` is the optical frame of a camera with a calibrated lens. robsim itself reads
-    the exact numbers in ``/robsim/steps``, and the set-up in the metadata ``robsim.setup``.
+    up. ``camera`` is the optical frame of a camera with a calibrated lens. robsim itself reads the
+    exact numbers in ``/robsim/steps``, and the set-up in the metadata ``robsim.setup``.
 
     Examples
     --------

@@ -40,8 +40,8 @@ class Recording:
     Parameters
     ----------
     source : path
-        A video file, or a folder of images in any format that Pillow reads, in natural order
-        of their names (frame2 before frame10). Other files in the folder are ignored.
+        A video file, or a folder of images in any format that Pillow reads, in natural order of
+        their names (frame2 before frame10). Other files in the folder are ignored.
     plane_map : PlaneMap, optional
         Map from frame pixels to the work area. Default: the frames show exactly the whole area,
         seen vertically from above.
