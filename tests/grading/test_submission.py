@@ -59,7 +59,7 @@ MISTAKES = {
     "raise SystemExit(0)": ("SystemExit", 5),
     "os._exit(0)": (r"its process exited \(exit code 0\)", None),
     "os.abort()": ("its process was ended by signal SIG", None),
-    "os.closerange(3, 99)": ("closed its connection|Bad file|process ended", None),
+    "os.closerange(3, 99)": ("closed its connection|Bad file|process exited", None),
 }
 HANGS = dict.fromkeys(
     ("time.sleep(600)", "while True: pass"), ("control took longer than 0.3 s at step 1", None)
