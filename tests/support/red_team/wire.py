@@ -157,7 +157,7 @@ data = b'[' * 5000 + b']' * 5000
 one.sendall(struct.pack('<HHI', 6, 0, len(data)) + data)
 time.sleep(9)
 """),
-    speech("closes its wire", "shuts its side, and goes on", says="connection|ended|exited")("""
+    speech("closes its wire", "shuts its side, and continues", says="connection|ended|exited")("""
 one.shutdown(socket.SHUT_RDWR)
 time.sleep(600)
 """),
