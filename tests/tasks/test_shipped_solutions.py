@@ -107,6 +107,6 @@ def test_a_submission_that_is_graded_cannot_unpack_them(tmp_path, packed):
     file.write_text(f"import robsim\n{code}\ndef control(step):\n    return 0, 0\n")
     limits = WorkerLimits(first_call=300, run=600)
     graded = Submission(file, slots="control", masked=TASKS["park"]().masked, limits=limits)
-    said = packed.name if packed else "robsim.teach.tasks is not there"
+    said = packed.name if packed else "robsim.teach.tasks is unavailable"
     with pytest.raises(SubmissionError, match=said):
         graded.run(robsim.Scenario(resolution=(200, 200)), steps=2, seed=1)
