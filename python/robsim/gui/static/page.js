@@ -1,4 +1,4 @@
-// The host without a notebook: a model over a WebSocket, which is opened anew when it breaks.
+// The host without a notebook: a model over a WebSocket, which is opened again when it breaks.
 import view from "./view.js";
 
 const PAUSES = [0.3, 1, 2, 4, 8]; // s before each try
@@ -28,7 +28,7 @@ function pack(message, buffers) {
   return new Blob([start, ...head, ...buffers.flatMap(filled)]);
 }
 
-/** What the view needs of its host; what it says is kept until the line is open. */
+/** The view's interface to its host; messages wait until the connection is open. */
 function modelOf(socket) {
   const listeners = new Set();
   const waiting = [];
@@ -58,13 +58,13 @@ function open() {
   return socket;
 }
 
-/** Show a view: the first one, or one in place of that whose line was lost. */
+/** Show a view: the first one, or a new one after a lost connection. */
 function show(socket) {
   const el = document.createElement("main");
   document.body.replaceChildren(el);
   const end = view.render({ model: modelOf(socket), el });
   socket.onclose = () => {
-    end(); // what it shows remains
+    end(); // the displayed content remains
     if (el.dataset.state != "closed") retry(el, PAUSES);
   };
 }

@@ -1,4 +1,4 @@
-// The main panel: its parts, and what is done with messages.
+// The main panel: its parts, and its handlers of messages.
 import { markChosen, moveByArrows } from "./base/buttons.js";
 import { make, set, text } from "./base/dom.js";
 import { makeFlow } from "./base/flow.js";
@@ -72,12 +72,12 @@ function layOut(context, camera, place) {
     make("div.robsim-left.robsim-column", ...left.map((part) => part.element)),
     make("div.robsim-right.robsim-column",
       make("div.robsim-right-top", tabs.list, place.buttons, share.button), tabs.sheets));
-  return [panel, place.element, ...over]; // what lies over it is seen beside a tool, too
+  return [panel, place.element, ...over]; // overlays are visible beside a tool, too
 }
 
 function takeRows(context, { rows }, buffers) {
   context.store.take(rows, buffers);
-  // Whoever looks back gets no new frames, but rows.
+  // A view of a past step gets rows, but no new frames.
   const counts = rows.map(({ column }) => context.store.get(column).count);
   context.newest = Math.max(context.newest, ...counts.map((count) => count - 1));
 }

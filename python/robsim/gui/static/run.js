@@ -1,4 +1,4 @@
-// What the parts of the panel of a run share, beside what all panels have.
+// The shared data of the parts of a run's panel, in addition to the data of all panels.
 import { asFloats } from "./base/buffers.js";
 import { makeContext } from "./base/context.js";
 import { StepAxis } from "./charts/axis.js";
@@ -22,7 +22,7 @@ const CALM = { playing: 100, running: 300 };
  */
 export function makeRunContext(el, send) {
   const wanted = new Set(); // groups of columns
-  const wanting = []; // those that are asked for next
+  const wanting = []; // groups for the next request
   let known = 0; // resets
   const context = makeContext(el, send, CHOICES);
   Object.assign(context, {
@@ -44,7 +44,7 @@ export function makeRunContext(el, send) {
     timeOf: (k) =>
       (context.frame?.k == k ? context.frame.t : context.store.get("t")?.get(k, 0))
         ?? k * (context.setup?.dt ?? 0),
-    /** Ask for groups of columns that are not asked for yet. */
+    /** Request further groups of columns. */
     want(names) {
       const lacking = names.filter((name) => !wanted.has(name));
       if (!lacking.length) return;
@@ -143,7 +143,7 @@ class Store {
     return this.columns.get(column);
   }
 
-  /** The number of steps of which there is something. */
+  /** The number of steps with data. */
   get count() {
     return Math.max(0, ...[...this.columns.values()].map((rows) => rows.count));
   }

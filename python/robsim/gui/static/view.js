@@ -1,4 +1,4 @@
-// What a host calls: render({model, el}). Of the model it uses get, send, on and off alone.
+// The host's entry point: render({model, el}). It only uses get, send, on and off of the model.
 import { renderColors } from "./tools/colors.js";
 import { renderFloor } from "./tools/floor.js";
 import { renderPanel } from "./panel.js";

@@ -5,7 +5,7 @@ import { icon } from "./icons.js";
 
 const THEMES = ["auto", "light", "dark"];
 
-/** A button with an icon, its text, and what it does in more words. */
+/** A button with an icon, its text, and a longer description. */
 export function makeButton(name, kind, onclick) {
   const button = make("button", { type: "button", className: `robsim-button ${kind}`, onclick });
   showButton(button, name);

@@ -1,4 +1,4 @@
-// What the parts of a panel share: the newest messages, the choices of this view, events.
+// The shared data of a panel's parts: the newest messages, the choices of this view, events.
 import { asPicture } from "./buffers.js";
 
 let contexts = 0;
@@ -113,7 +113,7 @@ function color(el, name) {
   return (el.dataset.theme == "dark" ? dark : light) ?? value;
 }
 
-/** Whether the host is dark: JupyterLab, VS Code and Colab each say so in a way of their own. */
+/** Whether the host is dark: JupyterLab, VS Code and Colab each report this differently. */
 function isHostDark(media) {
   const { body, documentElement: root } = document;
   if (body.dataset.jpThemeLight) return body.dataset.jpThemeLight == "false";

@@ -40,7 +40,7 @@ export function fitCanvas(canvas) {
   return true;
 }
 
-/** Return a function that asks for a paint in the next animation frame, however often called. */
+/** Return a function that requests a paint in the next animation frame, at most once. */
 export function painter(paint) {
   let asked = 0;
   return () => {
@@ -58,7 +58,7 @@ export function pickFile(accept, take) {
   input.click();
 }
 
-/** Whether this is the page of its own, not a notebook. */
+/** Whether this is the standalone page, not a notebook. */
 export const isPage = () => document.body.classList.contains("robsim-page");
 
 /** Return a text of texts.json by its name, with {fields} filled in; without one `instead`. */

@@ -94,9 +94,9 @@ export function showSlider(slider, value, words) {
 }
 
 /**
- * Keep a value: what was set here last is shown, not an older one that is still on its way from
- * Python (`tell`); it is sent once per animation frame at most, by `send(value, goesOn)`: whether
- * in the same drag as before. A drag lasts from `hold` to the end of the press. Values may be
+ * Keep a value: show the last value set here, not an older one in transit from Python (`tell`).
+ * It is sent at most once per animation frame, by `send(value, goesOn)`. `goesOn` means the same
+ * drag as before. A drag lasts from `hold` to the end of the press. Values may be
  * arrays.
  */
 export function heldValue(show, send) {

@@ -13,7 +13,7 @@ const LATE = 1000; // ms without a frame while it runs, or without any message a
 export function makeFlow(context, begin) {
   let number = 0; // of the newest frame
   let room = LEAST_ROOM;
-  let granted = { number, at: 0 }; // what was the newest then, and when (ms)
+  let granted = { number, at: 0 }; // the newest frame of the last grant, and its time (ms)
   let quickest = Infinity; // ms on the way, and what Python's clock is behind
   let late = 0;
   let poll = 0;

@@ -15,9 +15,9 @@ function canScroll(element, amount) {
 }
 
 /**
- * Call handlers with what is done on a canvas: `click`, `doubleClick`, `dragStart`, `drag` (from,
+ * Call handlers for gestures on a canvas: `click`, `doubleClick`, `dragStart`, `drag` (from,
  * to), `dragEnd`, `giveUp` (a drag turns into something else), `hover` (a point, or null), `zoom`
- * (at, factor), `slide` (by, to the right), as far as there are such. Points are px on the screen
+ * (at, factor), `slide` (by, to the right). All handlers are optional. Points are px on the screen
  * times `ratio()`; `takesWheel()` returns whether the canvas always takes the wheel.
  */
 export function watchGestures(canvas, handlers) {

@@ -4,8 +4,8 @@ const PART = 1 << 19; // bytes, the most that Python takes
 
 /**
  * Send a file in parts, each when the previous one was answered.
- * `tell(about)` is told how it goes, or null where nothing comes any more: `name`, `state`, which
- * is "more", "read", "taken" or "refused", `share` that has come, `why` it was refused. A file
+ * `tell(about)` receives the progress: `name`, `state` ("more", "read", "taken" or "refused"),
+ * the received `share`, and `why` the file was refused. It receives null at the end. A file
  * that the browser cannot read is "unreadable".
  */
 export function makeSender(context, tell) {

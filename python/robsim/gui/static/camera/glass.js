@@ -2,8 +2,8 @@
 import { asBytes } from "../base/buffers.js";
 import { fitCanvas, make, painter } from "../base/dom.js";
 
-const GLASS_GRID = 7; // times as large: from here on the pixels have edges
-const SLACK = 10; // pixels of the camera beyond the glass, for when it is moved
+const GLASS_GRID = 7; // magnification from which pixels have edges.
+const SLACK = 10; // pixels of the camera beyond the glass, for moving it.
 const MOST_HALF = 100; // pixels of the camera to each side
 const ANSWER_PATIENCE = 400; // ms, after which it is asked again
 
@@ -69,12 +69,12 @@ function paintDetail({ pen, scale, at, unit }, { box, image }) {
  * The pixels around a point as the camera has them: asked of Python, always for the newest point,
  * and one answer after the other.
  * `glass` is its number, which comes back with the answer; `half()` how many pixels it wants to
- * each side; `changed` is told of each answer.
+ * each side; `changed` is called after each answer.
  */
 function makeDetail(context, { glass, half, imageOf, changed }) {
   let wanted = null; // [u, v]
   let isAsked = false; // and there was no answer yet
-  let isOld = true; // another point, or another picture, than was asked for
+  let isOld = true; // whether point or picture have changed since the request
   let timer = 0;
   const detail = { box: null, image: null };
   const ask = () => {
@@ -94,7 +94,7 @@ function makeDetail(context, { glass, half, imageOf, changed }) {
     changed();
     ask();
   });
-  /** Ask for the same point again, such as for more around it. */
+  /** Request the same point again, such as with more surroundings. */
   const again = () => {
     isOld = true;
     ask();

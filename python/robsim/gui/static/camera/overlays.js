@@ -1,15 +1,15 @@
-// What is drawn over the camera's picture: each overlay has a name, and can be switched.
+// The overlays on the camera's picture: each overlay has a name, and can be switched.
 import { ellipse, fromRobot } from "../base/geometry.js";
 import { drawArrow, drawBox, drawDot, drawLine, haloOf } from "./strokes.js";
 
-const TRACED_STEPS = 150; // steps of which the objects are shown
+const TRACED_STEPS = 150; // steps with visible objects
 const ELLIPSE_SIGMAS = 2;
 const DASH = [5, 4]; // px on the screen
 const LONGEST_TRAIL = 2000; // steps; more would cover the floor
 
 /**
- * The overlays from the lowest to the highest: `shown` at first, the theme's `color`, what is
- * drawn, the `columns` of the trace that it needs, and whether there `is` such a thing in a run.
+ * The overlays from the lowest to the highest. Each has `shown` at first, the theme's `color`, a
+ * drawing function, the required `columns` of the trace, and `is`: whether a run has such data.
  *
  * A scene has `pen` (of the canvas), `lens`, `unit` (device pixels a px), `place` (work area to
  * canvas), `pixel` (camera to canvas), `frame`, `context`, `ink(name)` (of the theme),
@@ -61,7 +61,7 @@ function outlineAt(scene, pose, ink, options) {
   drawLine(scene, points, scene.ink(ink), { isClosed: true, ...options });
 }
 
-const UNKNOWN_REACH = 40; // px, of a robot of which nobody has the outline
+const UNKNOWN_REACH = 40; // px, of a robot without a known outline
 
 function robotReach({ context }) {
   const { outline } = context.setup.robot;
@@ -222,7 +222,7 @@ function makeTrail() {
   const pen = layer.getContext("2d");
   let first = 0; // row that is drawn
   let drawn = 0; // rows up to which it is
-  let known = null; // rows of which it is
+  let known = null; // rows of the cached path
   let key = "";
 
   const prepare = (scene, rows, upto) => {

@@ -6,7 +6,7 @@ import { makeHands } from "./hands.js";
 // times as large as they are, the pixels of a picture are to be seen as such
 const COARSE_PIXELS = 3;
 const USUAL_CAMERA_WIDTH = 600; // px, where nothing is laid out yet
-const SIZE_REST = 200; // ms without a change before Python is told
+const SIZE_REST = 200; // ms without a change before Python gets the size
 const MOST_ZOOM = 20; // times
 
 /**
@@ -35,7 +35,7 @@ export function makePicture(context, { label, hands }) {
     widths.tell();
   };
   const handed = makeHands(context, hands, { canvas, lens, later, zoomed });
-  /** A finger scrolls the page unless the picture has something to do with it. */
+  /** A finger scrolls the page unless the picture uses the gesture. */
   const changed = () => {
     canvas.style.touchAction = lens.zoom == 1 && !handed.drags() ? "pan-y" : "none";
     const cursor = lens.zoom > 1 ? "grab" : "default";
@@ -75,7 +75,7 @@ function paintPicture(context, { canvas, lens, draw }) {
   pen.restore();
 }
 
-/** Draw the picture, of which each pixel is some whole number of the camera's, without a rest. */
+/** Draw the picture in whole pixels: each covers a whole number of the camera's pixels. */
 function drawWhole(pen, { picture, size }, { toCanvas, angle, scale }) {
   const side = Math.floor(size[0] / picture.width) * scale;
   pen.save();
@@ -105,7 +105,7 @@ function makeWidthTeller(context, width) {
     if (context.looking != null) context.send({ type: "look", k: context.looking });
   };
   return {
-    /** What is said with hello. */
+    /** The fields of hello. */
     first: () => (told = known()),
     tell: () => {
       if (known() == wanted) return; // frames come faster than the rest is long
@@ -125,7 +125,7 @@ function makeLens() {
   let box = [1, 1]; // of the canvas
   let own = [1, 1]; // size of the picture
   let [cos, sin] = [1, 0];
-  let middle = [0.5, 0.5]; // what of the picture is in the middle, as parts of it
+  let middle = [0.5, 0.5]; // the picture point in the middle, as parts of the picture
 
   const hold = (i, zoomed) => {
     // half of what there is room for
@@ -175,7 +175,7 @@ function makeLens() {
     middle = [middle[0] - dx / (lens.scale * size[0]), middle[1] - dy / (lens.scale * size[1])];
     place();
   };
-  /** Zoom so that what is at a point of the canvas stays there. */
+  /** Zoom around a fixed point of the canvas. */
   lens.zoomAt = (at, factor) => {
     const [u, v] = lens.toPixel(at);
     lens.zoom = Math.min(Math.max(lens.zoom * factor, 1), MOST_ZOOM);

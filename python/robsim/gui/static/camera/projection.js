@@ -33,7 +33,7 @@ export function areaOf({ frame }, pixel) {
 // The lens, as the core's Intrinsics has it: [fx, fy, cx, cy, k1, k2, p1, p2, k3] between ideal
 // pixels [u, v] and pixels of frames; null = an ideal lens.
 
-/** Return r^2 up to which what is shown grows with r; it is sought in steps of 1 %. */
+/** Return the largest r^2 up to which the displayed radius grows with r, in steps of 1 %. */
 function foldOf([, , , , k1, k2, , , k3]) {
   const grows = (q) => 1 + q * (3 * k1 + q * (5 * k2 + q * 7 * k3)) > 0;
   let q = 1e-4;
@@ -55,7 +55,7 @@ function throughLens([, , , , k1, k2, p1, p2, k3], [x, y]) {
   ];
 }
 
-/** Return what takes ideal pixels to those of the frames; NaN where the lens shows nothing. */
+/** Return a function from ideal pixels to frame pixels; NaN outside of the lens's image. */
 function distorting(intrinsics) {
   if (!intrinsics) return (pixel) => pixel;
   const [fx, fy, cx, cy] = intrinsics;

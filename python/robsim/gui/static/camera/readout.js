@@ -1,4 +1,4 @@
-// What is under the pointer: the place on the work area, and on the robot its poses.
+// The readout under the pointer: the position on the work area, and on the robot its poses.
 import { make, text } from "../base/dom.js";
 import { distance, isInside, toRobot } from "../base/geometry.js";
 import { makeSwatch } from "../base/icons.js";
@@ -40,7 +40,7 @@ export function makeReadout(context) {
     if (!center) return false;
     return isInside(setup.robot.outline, toRobot(center, at)) || distance(center, at) < 10;
   };
-  /** Show what is at a point of the work area; null = nothing. */
+  /** Show the data at a point of the work area; null = no data. */
   const show = (at) => {
     const isThere = at && context.frame && Number.isFinite(at[0]);
     element.classList.toggle("robsim-away", !isThere);

@@ -4,7 +4,7 @@ const OVERLAY_WIDTH = 1.5; // px on the screen
 const halos = new Map();
 
 /**
- * Return what sets a colour off against any floor: black or white, whichever is farther from it.
+ * Return a contrasting outline colour: black or white, the farther one from `color`.
  */
 export function haloOf(pen, color) {
   if (!halos.has(color)) {

@@ -120,7 +120,7 @@ export function makeTools(context, picture) {
         return true;
       },
     },
-    /** Draw what is under way. */
+    /** Draw the unfinished path. */
     draw: (scene, hovered) => {
       draft.draw(scene, cross.at ?? hovered);
       if (active() != "look") cross.draw(scene);
@@ -154,7 +154,7 @@ function makeCross(context) {
   return cross;
 }
 
-/** What is to be done with a tool, in words, at the edge of the picture. */
+/** The hint of a tool, at the edge of the picture. */
 function makeHint(finish, leave) {
   const words = make("span");
   const done = makeTextButton("path_done", "robsim-primary", finish);

@@ -1,18 +1,18 @@
 // Some charts that are painted together, at most once for each animation frame, and only if they
-// are seen. While a run goes on they take turns with new rows, so that the camera's picture never
+// are seen. During a run they take turns with new rows, so that the camera's picture never
 // waits for all.
 import { make, painter, set, text } from "../base/dom.js";
 import { makeSwatch } from "../base/icons.js";
 import { layerName, layerText } from "./frame.js";
 import { listenToGestures } from "./gestures.js";
 
-const AT_ONCE = 2; // charts in an animation frame, of those that grow
-const REST = 50; // ms without new rows, after which the next ones are painted all the same
+const AT_ONCE = 2; // growing charts in an animation frame.
+const REST = 50; // ms without new rows, after which the next charts are painted.
 const TIP_GAP = 12; // px from the cursor
 
 /** Make the charts of a tab; `seen` is called when the tab is shown. */
 export function makeBoard(context, element, seen) {
-  const charts = new Map(); // what is measured -> chart
+  const charts = new Map(); // measured canvas -> chart
   const { axis } = context;
   const tip = makeTip(context);
   const growing = new Set(); // charts that have got rows which they do not show yet
@@ -103,7 +103,7 @@ export function makeBoard(context, element, seen) {
   return board;
 }
 
-/** Say to a screen reader what the cursor of a chart is on. */
+/** Announce the cursor position of a chart to a screen reader. */
 function describe(chart, context) {
   const { axis } = context;
   const readings = chart.layers
@@ -146,7 +146,7 @@ function makeTip(context) {
     element.style.top = `${box.top + 6}px`;
   };
   return {
-    /** Show what a chart says of a step; null = nothing. */
+    /** Show a chart's readings of a step; null = no step. */
     show(chart, k) {
       element.hidden = !chart || k === null;
       if (element.hidden) return;

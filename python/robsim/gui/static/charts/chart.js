@@ -23,9 +23,9 @@ export class Chart {
    * @param {string} options.title
    * @param {string} [options.unit]
    * @param {object[]} options.layers
-   * @param {object[]} [options.reads] further layers, which are only read off
-   * @param {number} [options.least] the smallest range of values
-   * @param {boolean} [options.isAngle] whether the values are degrees
+   * @param {object[]} [options.reads] further layers, only for reading.
+   * @param {number} [options.least] smallest range of values
+   * @param {boolean} [options.isAngle] whether the values are degrees.
    * @param {boolean} [options.isRobust] whether a few wild values are cut
    * @param {boolean} [options.hasZero] whether 0 is marked
    * @param {boolean} [options.readsNewest] whether the newest step is read off, without a cursor
@@ -166,7 +166,7 @@ export function clipped(g, { left, top, width, height }, draw) {
   g.restore();
 }
 
-/** Give a canvas no pixels, so that none are mixed with what is below, but its place. */
+/** Hide a canvas without moving it: it gets no pixels, so that the canvas below stays unmixed. */
 function emptyCanvas(canvas, [width, height]) {
   canvas.width = canvas.height = 0;
   Object.assign(canvas.style, { width: `${width}px`, height: `${height}px` });

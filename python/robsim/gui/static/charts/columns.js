@@ -26,7 +26,7 @@ function makeColumnChart(context, { group, field, unit, i }, remove) {
   return chart;
 }
 
-/** Return what is known of a single column; null if the trace can't have it. */
+/** Return the description of a column; null if the trace cannot have it. */
 function columnOf(context, field) {
   for (const { name, fields, units } of context.setup.columns) {
     const i = fields.indexOf(field);

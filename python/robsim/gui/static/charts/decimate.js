@@ -77,7 +77,7 @@ export class Extremes {
     }
   }
 
-  /** Return the extremes of rows, and of a few more beside them. */
+  /** Return the extremes of rows, and of a few neighbours. */
   range(first, last) {
     let [low, high] = [Infinity, -Infinity];
     this.visit(first, last, (last - first) / 32, (_, blockLow, blockHigh) => {

@@ -1,4 +1,4 @@
-// What stands around the data of a chart: grid, ticks, title, numbers read off.
+// The surroundings of a chart's data: grid, ticks, title, readings.
 import { text } from "../base/dom.js";
 import { numberText, tickGap, ticksOf, tickText, uncertainText } from "./scale.js";
 
@@ -69,14 +69,14 @@ function drawTitle(g, { title, unit, remark, box }, ink) {
 /** Return the name of a layer; a column or an object has its own. */
 export const layerName = ({ name }) => text(`chart.${name}`, {}, name);
 
-/** Return what a layer says of a step. */
+/** Return a layer's reading of a step. */
 export function layerText({ series, spread, sigma }, k) {
   const value = series.value(k);
   return spread ? uncertainText(value, spread.value(k) * (sigma?.() ?? 1)) : numberText(value);
 }
 
 /**
- * Write what the layers say of a step beside the title, from the right, as far as there is room: at
+ * Write the layers' readings of a step beside the title, from the right, if there is room: at
  * last without the standard error.
  */
 export function drawReadings(g, chart, layers, k, ink) {

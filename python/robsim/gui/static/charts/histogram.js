@@ -51,7 +51,7 @@ export class Histogram {
     this.describe(chart.title, shown);
   }
 
-  /** Say to a screen reader what is written. */
+  /** Announce the written text to a screen reader. */
   describe(title, shown) {
     const words = shown.map(({ of, n, mean, std }) => text("chart.histogram_of", {
       name: text(`chart.error_${SOURCE_LAYERS[of]}`),

@@ -69,7 +69,7 @@ function isLowest({ element }) {
   return bottomOf(element.parentNode) - bottomOf(element) < 2;
 }
 
-/** Make the key: what the crosses, the line and the band are. */
+/** Make the key of crosses, line and band. */
 function makeParameterKey(context) {
   const entry = (kind, ink, name) =>
     make("span", makeSwatch(kind, `var(--robsim-${ink})`), text(`chart.${name}`));

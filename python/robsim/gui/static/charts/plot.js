@@ -105,7 +105,7 @@ export function paintLine(plot, series, ink, { isStairs = false, width = LINE_WI
   g.lineWidth = width;
   g.lineJoin = "round";
   const [first, last] = plot.rows(series);
-  const rows = g.globalAlpha == 1 ? STROKE_ROWS : last; // what is drawn twice would be darker
+  const rows = g.globalAlpha == 1 ? STROKE_ROWS : last; // drawing twice would be darker
   for (let begin = first; begin < last; begin += rows) {
     g.beginPath();
     const range = [Math.max(begin - 1, first), Math.min(begin + rows + 1, last)]; // so they join

@@ -1,4 +1,4 @@
-// What a chart draws: numbers that are computed from the rows of the trace, step by step.
+// The series of a chart: numbers computed from the rows of the trace, step by step.
 import { Extremes } from "./decimate.js";
 
 const EXACT_ROWS = 256; // rows, up to which a range is computed from each of them
@@ -26,7 +26,7 @@ export class Series {
    */
   constructor(store, groups, read, period = 0) {
     Object.assign(this, { store, groups, read, period });
-    this.extremes = new Extremes(); // those of a heading count its turns
+    this.extremes = new Extremes(); // for a heading, extremes count its turns
     this.rows = [];
     this.epochs = [];
     this.turned = NaN; // the newest heading, with its turns
@@ -63,7 +63,7 @@ export class Series {
     return this.turned;
   };
 
-  /** Return the extremes of the steps from `first` to `last`; low > high if there are none. */
+  /** Return the extremes of the steps from `first` to `last`; low > high without values. */
   range(first, last) {
     const from = Math.max(0, Math.ceil(first));
     const to = Math.min(this.count, Math.floor(last) + 1);

@@ -1,4 +1,4 @@
-// What stands above the charts of a tab: which steps are shown, what the colours mean.
+// The toolbar above the charts of a tab: the range of steps, and the colour legend.
 import { makeTextButton } from "../base/buttons.js";
 import { make, text } from "../base/dom.js";
 import { makeSwatch } from "../base/icons.js";
@@ -32,8 +32,8 @@ export function makeStepControls(context) {
 }
 
 /**
- * Make buttons that say what the colours mean, and take a layer away or bring it back; `isThere`
- * says of a layer's name whether there is such a thing in a run.
+ * Make buttons that explain the colours, and remove or restore a layer; `isThere`
+ * returns whether a run has the layer of a name.
  */
 export function makeLegend(context, layers, isThere) {
   const isShown = (name) => !context.local.unseen.includes(name);

@@ -76,7 +76,7 @@ function errorCharts(context) {
   });
 }
 
-/** Return charts of what the robot was told, where there is no truth to compare with. */
+/** Return charts of the robot's inputs, for runs without truth. */
 function inputCharts(context) {
   const gap = ([rows], k) => (k ? (rows.get(k, 0) - rows.get(k - 1, 0)) * 1000 : NaN);
   const input = (i) => ({ ink: "other-1", kind: "stairs", series: fieldSeries(context, "u", i) });

@@ -1,4 +1,4 @@
-// The callbacks in the order of the calls: whose they are, what they take, what went wrong;
+// The callbacks in the order of the calls: owners, run times and errors;
 // Animate.
 import { makeTextButton } from "../base/buttons.js";
 import { make, sayOrHide, text } from "../base/dom.js";

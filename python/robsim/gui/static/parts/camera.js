@@ -1,4 +1,4 @@
-// The camera's picture, and what is drawn over it.
+// The camera's picture with its overlays.
 import { make, sayOrHide, text } from "../base/dom.js";
 import { isShown, makeOverlays } from "../camera/overlays.js";
 import { makePicture } from "../camera/picture.js";

@@ -1,9 +1,9 @@
-// The settings, as cards. What they are comes from Python, and so do their values.
+// The settings, as cards. Python sends the controls and their values.
 import { make, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
 
 const KINDS = { noise_level: "noise", disturbance_level: "disturbance" }; // of the levels
-const FASTEST = 0; // what stands for "as fast as it goes"
+const FASTEST = 0; // means "as fast as possible"
 const SPEEDS = [0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, FASTEST];
 const LONGEST_GAP = 1; // s, or three frames, after which a camera is taken to hang
 
@@ -19,7 +19,7 @@ export function makeControls(context) {
   const makeOne = (control) =>
     makeField(control.name == "speed" ? SPEED : control, send(control.name), refuse);
 
-  /** Take a control; one that is as before stays what it is, for it may be in use. */
+  /** Take a control; keep the element of an unchanged control, which may be in use. */
   const take = (control) => {
     const { value, ...rest } = control;
     const kind = JSON.stringify(rest);
@@ -31,7 +31,7 @@ export function makeControls(context) {
     fields.set(control.name, field);
   };
 
-  /** A level is for what is there. */
+  /** Enable a level only while its disturbance is on. */
   const allowLevels = (values) => {
     for (const [level, kind] of Object.entries(KINDS))
       if (kind in values)

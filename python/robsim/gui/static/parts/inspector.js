@@ -1,4 +1,4 @@
-// What a step holds, as a tree; each level is asked for when it is opened.
+// The content of a step, as a tree; each level is requested when it is opened.
 import { asPicture } from "../base/buffers.js";
 import { make, text } from "../base/dom.js";
 import { listenToKeys } from "../base/gestures.js";
@@ -38,13 +38,13 @@ export function makeInspector(context) {
 }
 
 /**
- * A tree of what was asked for: `ask(path)` when a node is opened, `chosen(item)` when one has the
+ * A tree of requested nodes: `ask(path)` when a node is opened, `chosen(item)` when a node gets the
  * focus.
  */
 function makeTree(ask, chosen) {
   const about = { role: "tree", ariaLabel: text("inspector") };
   const element = make("ul.robsim-tree.robsim-code.robsim-surface", about);
-  const opened = new Map([[keyOf([]), []]]); // key -> path of what is open
+  const opened = new Map([[keyOf([]), []]]); // key -> path of open nodes
   const lists = new Map([[keyOf([]), element]]); // key -> the list that shows it
 
   const focus = (item, takes = true) => {
@@ -69,7 +69,7 @@ function makeTree(ask, chosen) {
     };
     return item;
   };
-  const drop = (item) => { // what was open in it is opened again if it comes back
+  const drop = (item) => { // open child nodes are opened again if the item returns
     for (const inner of [item, ...item.querySelectorAll("[role=treeitem]")])
       lists.delete(keyOf(inner.path));
   };
@@ -109,7 +109,7 @@ function makeTree(ask, chosen) {
   return { element, fill, showArray, opened: () => [...opened.values()] };
 }
 
-// What a key does in a tree: (item, all that are shown, toggle) gives the item to go to.
+// The keys of a tree: (item, all displayed items, toggle) gives the next item.
 const TREE_KEYS = {
   ArrowDown: (item, all) => all[all.indexOf(item) + 1],
   ArrowUp: (item, all) => all[all.indexOf(item) - 1],

@@ -1,11 +1,11 @@
-// The keys. They belong to the panel only while it has the focus or the pointer, and nobody types.
+// The keys. They belong to the panel only while it has the focus or the pointer, without typing.
 import { makeButton } from "../base/buttons.js";
 import { isPage, make, text } from "../base/dom.js";
 
 const TYPING =
   "textarea, select, [contenteditable], .cm-editor, input:not([type=range], [type=checkbox])";
-// What the browser itself does with a key, if one of these has the focus. On a tab or a choice
-// that is chosen already, Space would do nothing.
+// The browser's own keys, if one of these elements has the focus. On a chosen tab or choice,
+// Space would do nothing.
 const NATIVE = {
   " ": "button:not([aria-selected=true], [aria-checked=true]), summary, input[type=checkbox]",
   ArrowLeft: "input",
@@ -52,7 +52,7 @@ export function makeKeyboard(context, transport, timeline) {
   el.addEventListener("pointerenter", () => (isOver = true));
   el.addEventListener("pointerleave", () => (isOver = isPage()));
   el.addEventListener("click", (event) => {
-    // After a click Space starts and pauses again, and does not press the same button once more.
+    // After a click Space starts and pauses again, instead of pressing the same button again.
     const button = event.detail && event.target.closest(".robsim-button");
     const panel = el.querySelector(".robsim-panel");
     if (button && document.activeElement == button) panel.focus({ preventScroll: true });

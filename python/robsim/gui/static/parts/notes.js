@@ -7,7 +7,7 @@ const MOST_NOTES = 3;
 
 export function makeNotes(context) {
   const element = make("div.robsim-toasts", { role: "status", ariaLive: "polite" });
-  const shown = new Map(); // by text, so that what comes again is not shown twice
+  const shown = new Map(); // by text, so that repeated notes are shown once
   const drop = (words) => {
     clearTimeout(shown.get(words)?.timer);
     shown.get(words)?.toast.remove();

@@ -1,11 +1,11 @@
-// What Finish gives: the parameters estimated from the whole record, as a table and a figure.
+// The result of Finish: the parameters estimated from the whole record, as a table and a figure.
 import { asBytes } from "../base/buffers.js";
 import { makeTextButton } from "../base/buttons.js";
 import { make, text } from "../base/dom.js";
 import { aboutVerdict } from "../charts/parameters.js";
 
 const MOST_ERRORS = 4; // standard errors to each side in the bars
-const ROUNDING = 1e-9; // of the largest parameter: what is nearer than that is the same
+const ROUNDING = 1e-9; // of the largest parameter: smaller differences are ignored
 const SHORTEST_PLAIN = 1e-3; // smaller numbers get an exponent
 const NO_NUMBER = "\u2013";
 

@@ -86,7 +86,7 @@ function colored(line, parts) {
   return [...made, letters.slice(at).join("")];
 }
 
-/** A button that copies a text, and says so for a while. */
+/** A button that copies a text, and confirms this for a while. */
 export function makeCopyButton(what) {
   const press = async () => {
     const isDone = await copied(what());

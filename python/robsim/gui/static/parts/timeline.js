@@ -17,7 +17,7 @@ export function makeTimeline(context) {
   const element = make("div.robsim-timeline",
     make("div.robsim-timeline-track", slider, ticks.canvas), place, newest);
 
-  let moved = null; // where the slider was just put; Infinity = at its end, though the run goes on
+  let moved = null; // the slider's new position; Infinity = at its end, even during a run
 
   const last = () => Math.max(context.last, 0);
   const shown = () => Math.min(moved ?? Math.max(context.shown, 0), last());
@@ -50,7 +50,7 @@ export function makeTimeline(context) {
     show();
   }).observe(ticks.canvas);
 
-  /** Go so many steps to and fro, from what is shown. */
+  /** Move by a number of steps from the displayed step. */
   const move = (by) => {
     const k = Math.max(0, shown() + by);
     if (context.newest >= 0) context.look(k >= last() ? null : k);
@@ -59,8 +59,9 @@ export function makeTimeline(context) {
 }
 
 /**
- * Return a function of the measured and the held poses: where there is none, [[first, last], ...].
- * Once there was one, one is held, unless nothing measures: such steps are none of these.
+ * Return a function of the measured and the held poses that returns ranges [[first, last], ...]
+ * without a pose. After a first pose, a pose is held unless nothing measures; such steps count
+ * as seen.
  */
 function makeUnseen() {
   let [known, epoch, done, runs, isFound] = [null, 0, 0, [], false];
@@ -100,7 +101,7 @@ function makeTicks() {
       pen.fillRect(left, 0, tick, canvas.height);
     }
   };
-  /** Take a width on the screen (px); what was drawn is gone. */
+  /** Take a width on the screen (px); this clears the drawing. */
   const resize = (width) => {
     canvas.width = Math.round(width * devicePixelRatio);
     canvas.height = TICK_HEIGHT * devicePixelRatio;

@@ -33,7 +33,7 @@ export function makeTransport(context) {
   const show = () => {
     const { state } = context;
     showButton(start, state.state == "running" ? "pause" : "start");
-    // A trace is played back once more.
+    // A trace is played back again.
     start.disabled = isOver(state) && !(context.setup?.source == "trace" && state.state == "ended");
     for (const button of others) button.disabled = !NEEDS[button.name](state);
     animate.setAttribute("aria-pressed", String(Boolean(state.animate)));

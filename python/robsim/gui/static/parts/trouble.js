@@ -1,4 +1,4 @@
-// What is wrong, or to be done first: over the picture, where the eye is.
+// Problems and first steps: over the picture, in view of the user.
 import { makeButton } from "../base/buttons.js";
 import { make, sayOrHide, text } from "../base/dom.js";
 import { icon } from "../base/icons.js";
@@ -12,7 +12,7 @@ export function makeTrouble(context, press) {
   const how = make("span", text("first.hint"));
   const hint = make("div.robsim-first", { hidden: true }, first, how);
   const element = make("div.robsim-trouble", hint, remark, error.element, stuck.element);
-  let noPicture = null; // why, and of which step
+  let noPicture = null; // reason and step
   const show = () => {
     const { state, steps, error: what } = context.state;
     error.show(what);

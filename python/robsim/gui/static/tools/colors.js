@@ -1,4 +1,4 @@
-// The panel that trains colours: a region of the picture, ranges, what they find.
+// The panel that trains colours: a region of the picture, ranges, and found blobs.
 import { make, say, text } from "../base/dom.js";
 import { makeField } from "../base/fields.js";
 import { makeCopyButton } from "../parts/source.js";
@@ -41,7 +41,7 @@ export const renderColors = (host) => renderTool(host, "colors", (tool) => {
   };
 });
 
-/** Say whether the robot was found, and if not, why. */
+/** Report whether the robot was found, or the reason. */
 function makeFoundVerdict(context) {
   const { element, show } = makeVerdict();
   context.on("frame", ({ found, missed: why }) => {
@@ -79,7 +79,7 @@ function drawBoxes({ pen, frame, pixel, unit, context }) {
 /** The ranges as text, as they stand in a colour file: edited, copied, saved. */
 function makeThresholds(context) {
   let isMine = false; // edited here, and not taken yet
-  let last = ""; // what Python told; what it refuses stays, to be mended
+  let last = ""; // Python's last text; a refused text stays for correction
   const take = () => {
     if (isMine) context.send({ type: "thresholds", text: area.value });
     isMine = false;

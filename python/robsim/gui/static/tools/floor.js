@@ -42,7 +42,7 @@ export const renderFloor = (host) => renderTool(host, "floor", (tool) => {
   };
 });
 
-/** What the floor is fitted by, and what belongs to that. */
+/** The basis of the fit, and its controls. */
 function makeWays({ context, picture, history }, marks) {
   const ways = makeRadios("robsim-segments", text("by"), (name) =>
     context.send({ type: "by", name }));
@@ -64,7 +64,7 @@ function makeWays({ context, picture, history }, marks) {
   return makePart(ways.element, ...Object.values(sides));
 }
 
-/** What is under the pointer, and by what the arrows are magnified. */
+/** The position under the pointer, and the magnification of the arrows. */
 function makeFloorReadout(context) {
   const what = "div.robsim-camera-readout.robsim-floor-readout.robsim-away";
   const [element, times] = [make(what), make(what)];
@@ -117,7 +117,7 @@ function lensWords(lens) {
   return lens.rms == null ? text("lens_known") : text("lens_fits", { rms: lens.rms.toFixed(2) });
 }
 
-/** Figures, and what is said of them. */
+/** Figures and remarks. */
 function makeFloorResult(context) {
   const verdict = makeVerdict();
   const figures = make("span.robsim-number.robsim-floor-figures");

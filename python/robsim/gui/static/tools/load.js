@@ -31,7 +31,7 @@ export function makeLoad(context) {
   return { element, listen };
 }
 
-/** How a file goes: what has come of it, or why it was refused. */
+/** The progress of a file, or the reason of its refusal. */
 function makeWay(giveUp) {
   const hint = make("span.robsim-quiet.robsim-load-hint", text("load_hint"));
   const bar = make("progress", { max: 1 });
@@ -61,7 +61,7 @@ function makeWay(giveUp) {
 
 const holdsFiles = ({ dataTransfer }) => Boolean(dataTransfer?.types.includes("Files"));
 
-/** Where a file is dropped: all of the panel, which says so while one is held over it. */
+/** The drop area of files: the whole panel, with a hint while a file is held over it. */
 function makeDropPlace(panel, take) {
   const place = make("div.robsim-drop", { hidden: true }, make("span", text("drop_here")));
   const over = (event) => {
@@ -95,7 +95,7 @@ function listenToPaste(context, target, take) {
   target.addEventListener("paste", paste, { signal: context.signal });
 }
 
-/** Let no file that is dropped where nothing takes it be shown in place of the page. */
+/** Stop files dropped elsewhere from replacing the page. */
 export function guardFromDrops(target) {
   const guard = (event) => {
     if (event.defaultPrevented || !holdsFiles(event)) return;

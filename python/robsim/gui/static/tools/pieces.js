@@ -41,7 +41,7 @@ export function makeDecimalField(name, take, about = {}) {
   return makeTextField(name, take, { ...typed, ...about });
 }
 
-/** The number in a field; null if it is empty, `instead` if it is none: that is marked. */
+/** The number in a field; null if empty. Invalid text is marked and gives `instead`. */
 export function readNumber(field, instead = undefined) {
   const words = field.value.trim();
   const found = Number(words.replace(",", ".").replace("\u2212", "-"));

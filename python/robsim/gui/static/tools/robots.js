@@ -1,4 +1,4 @@
-// The panel that defines a robot: what is captured, what is drawn on it.
+// The panel that defines a robot: its captured picture, and the drawing on it.
 import { makeRadios } from "../base/buttons.js";
 import { make, say, text } from "../base/dom.js";
 import { makeAct, makeHint, makeList, makeNumberField, makePart, makeRow, makeTextField,
@@ -22,7 +22,7 @@ export const renderRobots = (host) => renderTool(host, "robots", (tool) => {
   };
 });
 
-/** What a part is called: a marker by its role, as soon as it has one, and its colour. */
+/** The name of a part: for a marker its role, if known, and its colour. */
 function nameOfPart(part, { roles }) {
   if (part == "outline") return text("part.outline");
   return text(`part.${roles[part] ?? "marker"}`, { color: part });

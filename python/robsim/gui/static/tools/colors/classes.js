@@ -28,11 +28,11 @@ export function makeClasses({ context, history }) {
   return makePart(list.element, row, drift);
 }
 
-/** A class; one that is not trained yet has no colour. */
+/** A class; an untrained class has no colour. */
 const optionOf = ({ name, css }) => ({ value: name, textContent: name, className: "robsim-class",
   style: `--robsim-class: ${css}`, title: text("choose_class.title", { name }) });
 
-/** What each region looks like, where the class has several: light that changes shows. */
+/** The colour of each region of a class with several regions: this reveals changing light. */
 function driftRows(drift) {
   if (drift.length < 2) return [];
   return drift.map(({ picture, medians, share }) => {

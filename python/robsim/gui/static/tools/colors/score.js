@@ -30,7 +30,7 @@ export function makeScore(context) {
   context.on("note", ({ level }) => level == "error" && (said.textContent = ""));
   context.on("state", (state) => {
     ask.disabled = !state.region || !state.classes.some(({ name }) => name == state.chosen);
-    // What is said is of other ranges, or of another class.
+    // The score belongs to other ranges, or to another class.
     if (state.chosen == of && rangesOf(state, of) == asked) return;
     [take.hidden, table.hidden, of] = [true, true, ""];
     if (asked) said.textContent = "";

@@ -34,7 +34,7 @@ export function makeLensBoard(context) {
     verdict.show(board.verdict, board.verdict ? text(`floor_verdict.${board.verdict}`) : "");
     say(figures, wordsOf(board));
     problems.show([...board.problems, ...emptyOf(board)]);
-    context.emit("local", "board"); // the picture is painted anew
+    context.emit("local", "board"); // the picture is painted again
   });
   return makeFields(makeBoardFields(context), makeHint("board_hint"),
     makeRow(take, all, watch.element), makeRow(verdict.element, figures, use, drop),
@@ -51,9 +51,9 @@ function wordsOf({ pictures, rms, busy }) {
 const emptyOf = ({ empty }) =>
   (empty.length ? [text("board_empty", { parts: empty.join(", ") })] : []);
 
-/** What the board is. */
+/** The fields of the board. */
 function makeBoardFields(context) {
-  const typed = new Set(); // those that are being typed in
+  const typed = new Set(); // fields under typing
   const tell = () => {
     typed.clear();
     const [columns, rows, square] = fields.map(({ valueAsNumber }) => valueAsNumber);
@@ -97,7 +97,7 @@ function makePictureTable(context) {
   return make("div.robsim-points-box", table);
 }
 
-/** Draw where the boards were: what has no dots is not covered yet. */
+/** Draw the positions of boards: areas without dots are not covered yet. */
 export function drawBoards(scene) {
   for (const at of scene.context.board?.pixels ?? [])
     drawDot(scene, scene.pixel(at), BOARD_INK, 2.6);

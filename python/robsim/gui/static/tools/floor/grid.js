@@ -86,7 +86,7 @@ function strokeAll(scene, lines, ink, width) {
   strokePath(scene, ink, { width });
 }
 
-/** Whether a pixel is in the picture, or near it: no lens shows what is far outside. */
+/** Whether a pixel is in or near the picture: far outside, a lens is undefined. */
 function isNear([u, v], [width, height]) {
   return u > -width / 2 && u < 1.5 * width && v > -height / 2 && v < 1.5 * height;
 }

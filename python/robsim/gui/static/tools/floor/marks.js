@@ -4,11 +4,11 @@ import { distance } from "../../base/geometry.js";
 import { ARROWS } from "../../base/gestures.js";
 import { drawArrow, drawCross, drawLabel } from "../../camera/strokes.js";
 
-const SNAP_REACH = 10; // px on the screen, of a click
+const SNAP_REACH = 10; // px on the screen, of a click.
 const LEAST_SNAP = 4; // px of the camera
 const LONGEST_ARROW = 46; // px on the screen
-const LONGEST_IN_SHEET = 18; // where there are many side by side
-const TIMES = [1, 2, 5, 10, 20, 50, 100, 200, 500]; // of what the arrows are magnified by
+const LONGEST_IN_SHEET = 18; // with many side by side.
+const TIMES = [1, 2, 5, 10, 20, 50, 100, 200, 500]; // magnifications of the arrows
 const MARK_INKS = { fine: "#4fd1ff", worst: "#ffb020", wrong: "#ff5a5f", chosen: "#ffffff" };
 
 /** Return how each point of the floor fits, by its number. */

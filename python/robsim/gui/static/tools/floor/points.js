@@ -64,7 +64,7 @@ export function makePointTable(context, canvas) {
   return make("div.robsim-points-box", table);
 }
 
-/** What is done with all points: undo, redo, clear, corners of a grid. */
+/** The actions on all points: undo, redo, clear, corners of a grid. */
 export function makePointBar(context, history) {
   const clear = makeAct(context, "clear", "", undefined, "clear_points");
   const step = makeDecimalField("fill_step", () => {},

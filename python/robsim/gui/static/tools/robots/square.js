@@ -1,4 +1,4 @@
-// The yellow square of what is captured: it is dragged, and its corners make it larger.
+// The yellow square of the area to capture: drag it, or drag its corners to resize it.
 import { arrowStep } from "../../base/gestures.js";
 import { drawBox } from "../../camera/strokes.js";
 
