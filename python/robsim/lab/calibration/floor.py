@@ -275,7 +275,7 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
         if not np.isfinite(array).all() or np.abs(array).max(initial=0) > 1e7:
             raise ValueError(f"{name} must be finite, and at most 1e7")
     if len(seen) != len(places):
-        raise ValueError(f"positions and pixels must match, got {len(places)} and {len(seen)}")
+        raise ValueError(f"positions and pixels differ in length: {len(places)} and {len(seen)}")
     called = [str(n + 1) for n in range(len(seen))] if names is None else list(names)
     if len(called) != len(seen):
         raise ValueError(f"names must have the length of pixels, got {len(called)} and {len(seen)}")

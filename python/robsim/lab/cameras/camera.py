@@ -158,8 +158,7 @@ class Camera(Closing):
     The times of the frames (s) start at the first one: ``t`` is the exposure time, if known, and
     ``t_arrival`` the arrival time. A camera belongs to the process that opened it. A separate
     process reads network cameras and cameras by number, and ends with the camera: so frames stay
-    fresh even while a callback keeps the interpreter. On Windows it
-    is this process.
+    fresh even while a callback keeps the interpreter. On Windows, this process reads them.
 
     RTSP frames carry stamps. A frame with 0.1 s more delay than the freshest of the last 10 s is
     old: it is dropped and counted. The camera's encoder may delay all frames by the same time,

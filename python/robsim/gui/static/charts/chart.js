@@ -26,8 +26,8 @@ export class Chart {
    * @param {object[]} [options.reads] further layers, only for reading.
    * @param {number} [options.least] smallest range of values
    * @param {boolean} [options.isAngle] whether the values are degrees.
-   * @param {boolean} [options.isRobust] whether a few wild values are cut
-   * @param {boolean} [options.hasZero] whether 0 is marked
+   * @param {boolean} [options.isRobust] whether a few wild values are cut.
+   * @param {boolean} [options.hasZero] whether 0 is marked.
    * @param {boolean} [options.readsNewest] whether the newest step is read off, without a cursor
    * @param {number} [options.reserved] px on the right of the title
    * @param {(chart: Chart) => boolean} [options.namesSteps] whether the steps are written below

@@ -186,7 +186,7 @@ class FloorPanel(ToolPanel):
         Parameters
         ----------
         step : float
-                Side of the grid's squares, such as tiles (mm); the work area's origin is a corner.
+            Side of the grid's squares, such as tiles (mm); the work area's origin is a corner.
 
         Returns
         -------
