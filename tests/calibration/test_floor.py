@@ -119,7 +119,7 @@ def test_a_wrong_one_of_few_marks_is_not_pinned_on_the_worst():
     moved = places[few] + np.eye(5, 2) * (40, 0)
     report = calibrate_floor(pixels[few], moved, size=SHOT.size, **AREA)
     assert report.worst.name != "1"
-    assert "separates it" in sentences(report)
+    assert "separates it from all others" in sentences(report)
 
 
 def test_a_wrong_mark_of_four_is_found_by_a_fifth():
