@@ -71,7 +71,7 @@ def old_P(x, P, T, Q):
         "The halves of G are exchanged: the upper one is for the pose.": (
             lambda x, P, T, Q: predicted(x, P, T, Q, np.vstack((T * UNIT, T**2 / 2 * UNIT)))
         ),
-        "P is not moved on with F: positions also become uncertain because the velocity is.": old_P,
+        "P is not advanced with F: uncertain velocities make the positions uncertain, too.": old_P,
         "The pose moves by T**2 / 2 times the acceleration; check the upper half of G.": (
             lambda x, P, T, Q: predicted(x, P, T, Q, np.vstack((T**2 * UNIT, T * UNIT)))
         ),

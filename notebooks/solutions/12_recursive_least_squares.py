@@ -148,7 +148,7 @@ def updated(theta, P, phi, y, forgetting, *, sign=1, divisor=None, used=None):
         "P does not change: then every sample counts as much as the first.": (
             lambda theta, P, phi, y, forgetting: (updated(theta, P, phi, y, forgetting)[0], P)
         ),
-        "The covariance multiplies by the forgetting factor: divide by it.": (
+        "The covariance is multiplied by the forgetting factor: divide it by the factor instead.": (
             lambda theta, P, phi, y, forgetting: updated(
                 theta, P, phi, y, forgetting, divisor=1 / forgetting
             )

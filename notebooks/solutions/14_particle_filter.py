@@ -135,7 +135,7 @@ def weights_and_start(rng):
         "The start is missing: it shifts all points.": lambda weights, start: np.searchsorted(
             np.cumsum(weights), np.arange(len(weights)) / len(weights)
         ),
-        "One start shifts all points: all have the same distance.": (
+        "`start` must shift all points equally, so that neighbours keep the distance 1 / N.": (
             lambda weights, start: np.searchsorted(
                 np.cumsum(weights), start * np.arange(len(weights)) / len(weights)
             )

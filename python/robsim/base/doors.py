@@ -61,7 +61,7 @@ def late_names(
 
 
 class _Room(ModuleType):
-    """A module that suggests the home of a public name it lacks."""
+    """A module whose error for a missing public name says in which wing that name is."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -81,7 +81,7 @@ def not_here(module: str, name: str, known: Iterable[str]) -> AttributeError:
 
 
 def present(module: ModuleType, wing: str) -> None:
-    """Set ``__module__`` of the names in a module's ``__all__`` to the wing that has them.
+    """Set ``__module__`` of a module's public names to the wing from which users import them.
 
     So `help`, reprs, tracebacks and pickles show the public path, such as ``robsim.Trace``.
     """

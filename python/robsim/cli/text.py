@@ -164,7 +164,7 @@ def parse_points(
     return found
 
 
-# By their number; negative: at least as many.
+# Keys: the number of points; -n means n or more.
 _EXAMPLES = {
     -3: ("120,40 180,40 180,90", "at least three points X,Y"),
     -1: ("400,400 800,400", "one or more points X,Y"),

@@ -423,7 +423,7 @@ class Experiment(Runner):
         self._tell_stop_error(error)
 
     def _tell_stop_error(self, error: BaseException | None) -> None:
-        """Raise the error of stopping the robot, or add it to another exception."""
+        """Raise the error that occurred while stopping the robot, or note it in `error`."""
         if self._motors is None:
             return
         try:
@@ -432,7 +432,7 @@ class Experiment(Runner):
             if error is None:
                 trouble.add_note("in send, while stopping the robot")
                 raise
-            if not isinstance(trouble, KeyboardInterrupt):  # which kept nothing from being sent
+            if not isinstance(trouble, KeyboardInterrupt):  # an interrupt: all was still sent
                 error.add_note(
                     f"the robot could not be stopped: {type(trouble).__name__}: {trouble}"
                 )

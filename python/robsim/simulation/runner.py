@@ -293,7 +293,7 @@ class Runner(Slotted):
 
     @contextmanager
     def _looking_up(self, pulse: Callable[[int], None]) -> Iterator[None]:
-        """Call `pulse` every 50 ms or so of runs inside, in their thread; it may stop the runs."""
+        """Call `pulse` about every 50 ms during runs in this context; it may stop the runs."""
         self._pulse, before = pulse, self._pulse
         try:
             yield

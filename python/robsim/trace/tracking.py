@@ -15,7 +15,7 @@ from robsim.base.report import Quantity, Report, count
 from robsim.trace.run_info import RunInfo
 from robsim.trace.units import length_format
 
-#: Farther from the truth than this, a measured pose is a false one (px, rad).
+#: #: A measured pose is false if it is farther from the truth than this (px, rad).
 FALSE_POSE_LIMITS = (10.0, np.deg2rad(20.0))
 
 

@@ -162,7 +162,7 @@ class ErrorReport(Report):
 
     @property
     def few_steps(self) -> NDArray[np.bool_]:
-        """The few steps (M, N) that dominate the error: up to 3 % make half of its squares."""
+        """The few steps (M, N), at most 3 %, with half of the sum of squared errors."""
         return np.asarray(few_steps(self.error).any(axis=-1))
 
     @property

@@ -461,7 +461,7 @@ def _fitted(
     method: str,
     delay: float | None,
 ) -> _Fit:
-    # The inputs from before the poses that are used act in them, when they are late.
+    # Late inputs from before the first used pose still act on the used poses.
     before = start - int(trace.k[0])
     record = trace[: stop - int(trace.k[0])]
     poses, u = record.poses_from(found.identify_from).copy(), inputs_of(record)

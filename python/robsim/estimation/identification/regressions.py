@@ -134,7 +134,8 @@ def interruptions(
     """Return for each step whether the model cannot predict it from the last two steps, (N,).
 
     It cannot across a bounce (except `over_bounces`), lost frames, or a stop in between. For
-    `motor_delay` steps after these, and at the start of a later record, inputs are not known. A
+    `motor_delay` steps after lost frames or a stop, and at the start of a record that begins after
+    step 0, inputs are not known. A
     time between two steps that is no multiple of the model's dt raises ValueError.
     """
     is_break = np.zeros(len(trace), dtype=bool)

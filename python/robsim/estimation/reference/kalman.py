@@ -265,7 +265,7 @@ class ModelFilter(StateEstimator):
         return copy.copy(self)
 
     def _interpolate(self, before: Self, fraction: float) -> None:
-        """Go back to a fraction of the way from an earlier state."""
+        """Set the state between `before` (fraction 0) and the present state (fraction 1)."""
         change = self.mean - before.mean
         change[2] = wrap_angle(change[2])
         self.mean = before.mean + fraction * change

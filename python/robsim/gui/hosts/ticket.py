@@ -48,6 +48,6 @@ def _user_of(*ends: str) -> int | None:
 
 
 def _as_listed(address: str, port: int) -> str:
-    """Return an address in Linux's notation and byte order; the same for IPv6."""
+    """Return an IPv4 address as /proc/net/tcp lists it; lines of tcp6 end with the same text."""
     word = int.from_bytes(map(int, address.split(".")), sys.byteorder)
     return f"{word:08X}:{port:04X}"

@@ -39,6 +39,17 @@ class FloorPoint:
         Deviation of the map on the floor (mm) and in the picture (px).
     is_used : bool
         False: the point does not fit the others, and was left out.
+
+    Examples
+    --------
+    >>> pixels = [(0, 0), (640, 0), (640, 480), (0, 480), (320, 240)]
+    >>> positions = 2.0 * np.array(pixels)
+    >>> found = robsim.lab.calibrate_floor(
+    ...     pixels, positions, area=(1280, 960), mm_per_px=1.0, size=(640, 480)
+    ... )
+    >>> point = found.points[1]
+    >>> point.pixel, point.place
+    ((640.0, 0.0), (1280.0, 0.0))
     """
 
     name: str
@@ -69,6 +80,16 @@ class FloorCalibration(Report):
         their marks.
     moved : float
         Motion of a corner from picture to picture (px).
+
+    Examples
+    --------
+    >>> pixels = [(0, 0), (640, 0), (640, 480), (0, 480), (320, 240)]
+    >>> positions = 2.0 * np.array(pixels)
+    >>> found = robsim.lab.calibrate_floor(
+    ...     pixels, positions, area=(1280, 960), mm_per_px=1.0, size=(640, 480)
+    ... )
+    >>> found.calibration.plane_map.to_world((100, 50)).round(3)
+    array([200., 100.])
     """
 
     calibration: Calibration

@@ -162,7 +162,7 @@ def _outline_of(trace: Trace) -> Floats | None:
 
 
 def _draw_end(axes: Axes, trace: Trace, outline: Floats | None, from_world: _Map) -> None:
-    """Draw the robot at the end of its path: at its measured or else its true pose."""
+    """Draw the robot at its last measured pose, or at the true pose if that is missing."""
     if trace.seen[-1]:
         _draw_pose(axes, trace.pose_measured[-1], outline, from_world, style.MEASURED)
     elif np.isfinite(trace.pose_true[-1]).all():

@@ -227,5 +227,5 @@ def _font(size: int) -> FreeTypeFont:
 
 
 def _closed(corners: Floats) -> Floats:
-    """Return the corners of a closed line; it continues past the first, to join the ends."""
+    """Return the corners of a closed line: it ends with its first two, to join the ends."""
     return np.vstack((corners, corners[:2]))

@@ -72,8 +72,9 @@ class Slot(Generic[T]):
 
     `half` is `ROBOT` or `WORLD`, `when` is `ONCE` or `STEP`. An empty `argument` = no argument. An
     `is_optional` slot may stay empty; with `is_switch`, True is its default stage, named `default`.
-    Values of `native` types run without the interpreter; `result_types` may be callbacks, as
-    classes of the result. `other_names` are wrong names of its file, first in the program of 2008.
+    Values of `native` types run without the interpreter. `result_types` are the classes of a
+    result; such a class may itself be the callback, since a call of it makes a result.
+    `other_names` are wrong names of its file, first in the program of 2008.
     Sentences call it by its `title`.
     """
 

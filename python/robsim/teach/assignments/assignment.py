@@ -198,7 +198,8 @@ class Assignment:
     def files_of_all(self) -> Mapping[str, bytes]:
         """The files for submissions: the given files, and the module ``task``.
 
-        Its values are from the first test by a task; each test by a task has its own values.
+        Here ``task`` has the values of the first test by a task. In each test, the grader gives
+        the values of that test instead.
         """
         task = {f"{MODULE}.py": module_source(test.task) for test in self.tests[:1]}
         return {**self.given_files, **task}

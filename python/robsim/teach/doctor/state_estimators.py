@@ -82,7 +82,7 @@ def check_estimator(
         example a class with ``__call__``, or a function that defines and returns another. Or a
         file ``estimate_state.py``, or the callback folder that has it.
     dt : float, optional
-        The only time between two steps (s) that the estimator supports. Default: any; a remark
+        The step time (s), if the estimator supports only one. Default: any; a remark
         follows if it never uses ``step.dt``.
     budget : float
         Maximum of the median time per call (s).

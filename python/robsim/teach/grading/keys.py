@@ -46,7 +46,7 @@ class Key:
     Raises
     ------
     TypeError, ValueError
-        If the secret is no bytes, or too short.
+        If the secret is not bytes, or is too short.
 
     Examples
     --------

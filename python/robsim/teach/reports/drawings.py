@@ -15,7 +15,7 @@ Path = list[list[float]]
 
 
 def paths_of(paths: Mapping[str, Floats], tests: Mapping[str, TestResult]) -> dict[str, Path]:
-    """Return the known places (x, y) of students in a test; those with all points come last."""
+    """Return the known positions (x, y) of runs in a test, sorted by points, most last."""
     known = {
         student: path[np.isfinite(path).all(axis=1)].round(1).tolist()
         for student, path in paths.items()

@@ -45,7 +45,7 @@ def _environment() -> Environment:
 
 
 def _harmless(value: object) -> object:
-    """Return a value as harmless text, to be escaped; markup comes only from here and templates."""
+    """Return numbers and markup unchanged, all else as clean text, which jinja2 escapes."""
     is_harmless = isinstance(value, (int, float)) or hasattr(value, "__html__")
     return value if is_harmless else clean_text(str(value), 2**20)
 

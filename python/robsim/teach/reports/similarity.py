@@ -273,7 +273,7 @@ def _groups(programs: Mapping[str, Program], given: Collection[int]) -> dict[str
 def _common(
     own: Mapping[str, set[int]], students: Collection[str]
 ) -> tuple[set[int], Counter[tuple[str, str]]]:
-    """Return the runs that many have, and how many others each two have in common."""
+    """Return the runs in many programs, and for each pair the number of other shared runs."""
     owners: defaultdict[int, tuple[list[str], list[str]]] = defaultdict(lambda: ([], []))
     for name, runs in own.items():
         for run in runs:

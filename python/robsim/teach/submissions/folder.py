@@ -138,7 +138,7 @@ def lone_zip(path: str, intake: Intake) -> str | None:
 
 
 def lone_zip_of(names: Mapping[str, bool], intake: Intake) -> str | None:
-    """Return the result of `lone_zip`, from the names and whether they are folders."""
+    """Return the result of `lone_zip`; `names` maps each name to True for a folder."""
     found = [
         name
         for name, is_folder in names.items()

@@ -190,7 +190,7 @@ class ScoreLimit:
             raise ValueError("low and low_zero must be given together")
 
     def fraction(self, statistic: float) -> float:
-        """Return the share of the points, 0 to 1: linear in the logarithm between the limits.
+        """Return the share of the points, 0 to 1, linear in log(statistic) between the limits.
 
         Parameters
         ----------

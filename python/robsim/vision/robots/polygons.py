@@ -31,7 +31,7 @@ def area_and_centroid(polygon: Floats) -> tuple[float, Floats]:
 
 
 def placed(points: Floats, pose: Any) -> Floats:
-    """Return points (N, 2) in the axes forward and right, at a pose in other axes."""
+    """Return points (N, 2), given as forward and right of a pose, in the axes of that pose."""
     x, y, heading = pose
     # Right is forward rotated by +90 degrees, clockwise in the image.
     forward = np.array((np.cos(heading), np.sin(heading)))

@@ -167,7 +167,7 @@ class Sketch:
         )
 
     def _cut_out(self) -> Pixels:
-        """Return the picture; surroundings of the robot without transparency are cut off."""
+        """Return the picture; if it is opaque, make all outside the outline transparent."""
         if (self.image[..., 3] < 255).any():
             return self.image
         height, width = self.image.shape[:2]

@@ -37,7 +37,7 @@ class Setting(ABC):
         """Return the allowed values, as fields of the message ``setup``."""
 
     def described(self) -> dict[str, Any]:
-        """Return its entry in the message ``setup``."""
+        """Return the entry of this setting in the message ``setup``."""
         names = ("name", "kind", "card", "label", "tip", "value")
         return {name: getattr(self, name) for name in names} | self.limits()
 

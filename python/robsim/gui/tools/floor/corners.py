@@ -124,7 +124,7 @@ class FloorSheets:
         return self._seen
 
     def looking(self, image: images.Pixels) -> Callable[[], SeenSheets | str]:
-        """Return a function that finds a picture's sheets or returns the reason; any thread."""
+        """Return a function that finds a picture's sheets, or says why not, in any thread."""
         mark = self._seen.mark
 
         def find() -> SeenSheets | str:

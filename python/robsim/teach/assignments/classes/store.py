@@ -100,7 +100,7 @@ def write_class_files(
 ) -> None:
     """Write page and table of a class into the folder of its results, not for a single submission.
 
-    Without the `programs` by student, the page reports the kept similar programs;
+    If `programs` (by student) is None, the page shows the last comparison, from ``similar.json``;
     `others` come from `other_programs`.
     """
     if len(results) < 2:

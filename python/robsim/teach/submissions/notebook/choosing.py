@@ -32,7 +32,7 @@ The grader takes these parts of a notebook, if a slot needs them:
 2. The line that fills a slot: `def control(step)`, `control = Drive()`, `sim.control = ...`,
    `@sim.control`, `Simulation(control=...)`.
 3. Assignments, also in `if` and `for`, unless they run a simulation, draw or wait.
-4. A cell with the tag `robsim` or the first line `# robsim:`, as a whole, before other cells.
+4. A whole cell with the tag `robsim` or the first line `# robsim:`, with priority over others.
 5. Never a cell with the tag `robsim-skip`, a `%` or `!` line, or a call alone.
 
 The grader refuses a notebook with two values for a slot, or without a value that a slot needs."""

@@ -78,7 +78,7 @@ def _zero(full: float, medians: Iterable[float]) -> float:
 
 
 def _tails(task: Task, statistics: Floats) -> Floats:
-    """Return log s of each score, and -log s if a score can be too small."""
+    """Return log(s) for each score s, and also -log(s) if s can be too small."""
     columns = []
     for index, score in enumerate(task.scores):
         logs = np.log(statistics[:, index])
