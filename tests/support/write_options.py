@@ -127,7 +127,7 @@ def scenario(text):
 def camera(text):
     first, second = (", ".join(f'``"{name}"``' for name in bus.CODINGS) for bus in (firewire, gige))
     doc = (
-        f"How a camera codes its pixels: on FireWire one of {first}; on GigE one of {second}. "
+        f"The camera's pixel coding: on FireWire one of {first}; on GigE one of {second}. "
         "Default: the first of these that it has at that rate. ``raw8`` comes from behind a Bayer "
         "filter."
     )

@@ -28,8 +28,8 @@ export class Chart {
    * @param {boolean} [options.isAngle] whether the values are degrees.
    * @param {boolean} [options.isRobust] whether a few wild values are cut.
    * @param {boolean} [options.hasZero] whether 0 is marked.
-   * @param {boolean} [options.readsNewest] whether the newest step is read off, without a cursor
-   * @param {number} [options.reserved] px on the right of the title
+   * @param {boolean} [options.readsNewest] whether the newest step is read off, without a cursor.
+   * @param {number} [options.reserved] px on the right of the title.
    * @param {(chart: Chart) => boolean} [options.namesSteps] whether the steps are written below
    * @param {{paint: (chart: Chart, ink: Function) => void, element: Element}} [options.beside]
    */
