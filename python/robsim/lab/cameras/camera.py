@@ -102,7 +102,7 @@ class Camera(Closing):
         differs from the required one, and `dt` has it. A run warns of any camera that sends half
         of it or less.
     coding : str, optional
-        How a camera codes its pixels: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
+        The camera's pixel coding: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,
         ``"yuv422"``, ``"mono8"``. Default: the first of these that it has at that rate. ``raw8``
         comes from behind a Bayer filter.
