@@ -61,6 +61,16 @@ class ScoreResult:
     fraction, share : float
         The part of its points, 0 to 1, and its share of the points of the test. The part of a
         score with share 0 multiplies all others, which contain it.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("ann").mkdir()
+    >>> size = pathlib.Path("ann/measure.py").write_text("def measure(step): return None")
+    >>> result = robsim.teach.grade_submission(assignment, "ann", public=True)
+    >>> [(score.name, score.fraction) for score in result.tests[0].scores]
+    [('position', 0.0), ('heading', 0.0), ('lost', 0.0)]
     """
 
     name: str

@@ -43,6 +43,13 @@ class TimingReport(Report):
     latency : array (3, 3)
         Time from the exposure of a frame to its arrival, from the arrival to the input's sending,
         and both together (s); columns median, 95 % quantile, maximum. NaN = not known.
+
+    Examples
+    --------
+    >>> with robsim.lab.SimulatedLab() as lab, robsim.Camera(lab) as camera:
+    ...     report = robsim.Experiment(camera).run(5).timing()
+    >>> report.steps
+    5
     """
 
     dt: float

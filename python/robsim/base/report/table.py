@@ -165,6 +165,12 @@ class Column:
         As for a `Quantity`.
     unit : str or None
         Unit of its values; "" = plain numbers, None = each row has its own.
+
+    Examples
+    --------
+    >>> column = robsim.estimation.Column("rmse", "rms error", unit="px", format=".2f")
+    >>> f"{column.title} ({column.unit}): {0.0312:{column.format}}"
+    'rms error (px): 0.03'
     """
 
     key: str
@@ -189,6 +195,12 @@ class Row:
         A value for each column; None or NaN = not known.
     unit : str
         Unit of the values in columns without one; an angle in ``"rad"`` is shown in degrees.
+
+    Examples
+    --------
+    >>> row = robsim.estimation.Row("x", [0.031, 0.042], unit="px")
+    >>> row.title, max(row.values)
+    ('x', 0.042)
     """
 
     title: str

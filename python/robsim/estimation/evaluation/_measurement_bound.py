@@ -221,6 +221,14 @@ class MeasurementBound(Report):
     is_bound : bool
         False for uniform noise and without noise, where the bound covers only estimates that are
         linear in the pixels.
+
+    Examples
+    --------
+    >>> sim = robsim.Simulation(headings=None, start=(500, 600, 0.3))
+    >>> step = sim.step()
+    >>> bound = robsim.estimation.measurement_bound(sim.frame, (500, 600, 0.3), sim.robot)
+    >>> bound.signal_to_noise > 100
+    True
     """
 
     covariance: Floats

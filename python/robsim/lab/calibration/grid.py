@@ -53,6 +53,15 @@ def draw_grid(
     ------
     TypeError, ValueError
         If an argument has the wrong type, or the calibration has no floor or another frame size.
+
+    Examples
+    --------
+    >>> floor = robsim.vision.PlaneMap(np.diag([2.0, 2.0, 1.0]))
+    >>> calibration = robsim.vision.Calibration(size=(640, 480), floor=floor, area=(1279, 959))
+    >>> picture = np.zeros((480, 640, 3), np.uint8)
+    >>> drawn = robsim.lab.draw_grid(picture, calibration, step=200)
+    >>> bool(drawn.any())
+    True
     """
     pixels = frame_pixels("image", image)
     check_kind("calibration", calibration, Calibration)

@@ -83,6 +83,14 @@ class SerialMotors(LineMotors):
         If the port cannot be opened.
     ImportError
         If pyserial is missing.
+
+    Examples
+    --------
+    >>> try:
+    ...     robsim.lab.SerialMotors("/dev/no-such-port")
+    ... except robsim.lab.LineError as error:
+    ...     print(type(error).__name__)
+    LineError
     """
 
     def __init__(

@@ -27,6 +27,16 @@ class ClassResult(Report):
         The results of the submissions, by the names of the students.
     changes : mapping of str to (float, float), or None
         The points before and after `regrade_class`, of students whose points have changed.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("class/ann").mkdir(parents=True)
+    >>> size = pathlib.Path("class/ann/measure.py").write_text("def measure(step): return None")
+    >>> result = robsim.teach.grade_class(assignment, "class", "marks", public=True)
+    >>> [(one.student, one.points) for one in result.results]
+    [('ann', 1.0)]
     """
 
     name: str

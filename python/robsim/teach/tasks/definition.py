@@ -249,6 +249,12 @@ def solution_folder(task: Task, solution: Solution) -> Folder:
     ------
     TypeError
         If an argument has the wrong type.
+
+    Examples
+    --------
+    >>> park = robsim.teach.ParkTask()
+    >>> sorted(robsim.teach.solution_folder(park, park.solutions[0]).sources)
+    ['control', 'robot', 'task']
     """
     check_task(task)
     check_kind("solution", solution, Solution)

@@ -62,6 +62,11 @@ class Solution:
         The slots that it may fill.
     notebook : SubmissionFiles, optional
         The notebook that the files run; None = no notebook.
+
+    Examples
+    --------
+    >>> [one.name for one in robsim.teach.ParkTask().solutions if one.is_right]
+    ['reference', 'straight']
     """
 
     name: str

@@ -44,6 +44,11 @@ def default_robot() -> str:
     ------
     ValueError
         If the settings file is damaged; the message names it.
+
+    Examples
+    --------
+    >>> robsim.vision.default_robot()
+    'lab'
     """
     file = settings_file()
     try:

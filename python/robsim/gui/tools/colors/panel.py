@@ -19,6 +19,13 @@ class ColorPanel(ToolPanel):
 
     Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
     but not the camera or run that supplies the pictures.
+
+    Examples
+    --------
+    >>> panel = robsim.gui.color_panel(robsim.Simulation(seed=1))
+    >>> panel.value
+    ()
+    >>> panel.close()
     """
 
     _maker = "robsim.gui.color_panel"

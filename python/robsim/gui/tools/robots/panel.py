@@ -20,6 +20,13 @@ class RobotPanel(ToolPanel):
 
     Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
     but not the camera or run that supplies the pictures.
+
+    Examples
+    --------
+    >>> panel = robsim.gui.robot_panel()
+    >>> panel.value.name
+    'lab'
+    >>> panel.close()
     """
 
     _maker = "robsim.gui.robot_panel"

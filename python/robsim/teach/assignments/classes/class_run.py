@@ -88,6 +88,16 @@ def grade_submission(
         If an argument is wrong; the message names it.
     OSError
         If the result cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("ann").mkdir()
+    >>> size = pathlib.Path("ann/measure.py").write_text("def measure(step): return None")
+    >>> result = robsim.teach.grade_submission(assignment, "ann", public=True)
+    >>> [(test.name, test.points, test.most) for test in result.tests]
+    [('public', 0.0, 3.0), ('test_a_hidden_robot_has_no_pose', 1.0, 1.0)]
     """
     check_is_assignment(assignment)
     handed = one_submission(submission, assignment)
@@ -182,6 +192,16 @@ def grade_class(
     UserWarning
         If the folder has files that are no submissions, such as tables. If results are in folders
         with other names than the students. If groups have no submission.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("class/ann").mkdir(parents=True)
+    >>> size = pathlib.Path("class/ann/measure.py").write_text("def measure(step): return None")
+    >>> result = robsim.teach.grade_class(assignment, "class", "marks", public=True)
+    >>> pathlib.Path("marks/ann/index.html").exists()
+    True
     """
     check_is_assignment(assignment)
     engine_value(executor)

@@ -53,6 +53,15 @@ class FolderReport(CheckReport):
         The problems of all files.
     remarks : tuple of str
         The remarks of all files and of the folder.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> pathlib.Path("mine").mkdir()
+    >>> size = pathlib.Path("mine/control.py").write_text("def control(step): return 0.5")
+    >>> report = robsim.teach.check_folder("mine")
+    >>> bool(report), len(report.problems)
+    (False, 1)
     """
 
     checks: Mapping[str, CheckReport | str] = field(default_factory=dict)

@@ -122,6 +122,11 @@ def check_motion(
     ------
     TypeError, ValueError
         If `make` is not callable, or `budget` is out of range.
+
+    Examples
+    --------
+    >>> robsim.teach.check_motion(robsim.Unicycle).verdict
+    'passed'
     """
     return check_calls(make, WorldSlots.evaluate_model, _pose_checks, budget)
 

@@ -32,6 +32,14 @@ class TaskReport(FolderReport):
         The outcome of the runs; None = not tried.
     findings : tuple of Problem
         The findings of the runs, the likeliest cause first.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> pathlib.Path("mine").mkdir()
+    >>> size = pathlib.Path("mine/control.py").write_text("def control(step): return 0, 0")
+    >>> robsim.teach.check_folder("mine", task="park").trial.is_solved
+    False
     """
 
     task: Task
