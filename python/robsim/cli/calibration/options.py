@@ -117,5 +117,5 @@ def check_out(out: Path, suffix: str, option: str = "--out") -> None:
     if out.suffix.lower() != suffix:
         raise ValueError(f"{option} must be a file that ends in {suffix}, got {quoted(str(out))}")
     if not out.absolute().parent.is_dir():
-        raise FileNotFoundError(f"there is no folder {out.parent} for {option} {out.name}")
+        raise FileNotFoundError(f"the folder {out.parent} for {option} {out.name} does not exist")
     check_folder(out.absolute().parent)
