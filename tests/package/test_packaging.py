@@ -38,6 +38,19 @@ def test_the_same_dependency_has_the_same_bound_everywhere():
 
 
 @pytest.mark.skipif(not WORKFLOWS.is_dir(), reason="the sdist has no workflows")
+def test_the_conda_recipe_and_the_pinned_build_have_the_same_requirements():
+    recipe = (ROOT / "conda/recipe.yaml").read_text(encoding="utf-8")
+    run = recipe.partition("  run:\n")[2].partition("\n\n")[0]
+    needed = {re.sub(r";.*", "", one).replace(">=", " >=") for one in PROJECT["dependencies"]}
+    listed = re.findall(r"- (.*)", run.replace("matplotlib-base", "matplotlib"))
+    assert {*listed} == {*needed, "python"}
+    pinned = (ROOT / ".github/build-requirements.txt").read_text(encoding="utf-8")
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]
+    for requirement in table["requires"]:
+        assert f"\n{re.split('[>=]', requirement)[0]}==" in f"\n{pinned}"
+
+
+@pytest.mark.skipif(not WORKFLOWS.is_dir(), reason="the sdist has no workflows")
 def test_the_actions_of_workflows_are_pinned_by_hash():
     """Since a tag can be moved; the version stands beside it."""
     used = [line for file in WORKFLOWS.glob("*.yml") for line in file.read_text().splitlines()]
