@@ -16,7 +16,6 @@ APART = ("estimation.reference", "teach.gym")
 
 # Public names without an example that runs and shows a result. This list only becomes shorter.
 WITHOUT: set[str] = {
-    "robsim.campaigns.Case",
     "robsim.estimation.ConvergenceReport",
     "robsim.estimation.Report",
     "robsim.gui.FloorPanel",
@@ -37,16 +36,11 @@ WITHOUT: set[str] = {
     "robsim.teach.PlayedRun",
     "robsim.teach.SolutionMarks",
     "robsim.teach.SourceLine",
-    "robsim.teach.Submission",
     "robsim.teach.TaskCalibration",
     "robsim.teach.calibrate_assignment",
     "robsim.teach.calibrate_task",
     "robsim.teach.check_assignment",
     "robsim.teach.clean_text",
-    "robsim.teach.gym.TaskEnv",
-    "robsim.teach.pack_feedback",
-    "robsim.teach.play_run",
-    "robsim.teach.regrade_class",
 }
 
 

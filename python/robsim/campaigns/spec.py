@@ -50,6 +50,14 @@ class Case:
         Its place in the product of the options, in which the last option changes first.
     labels : dict
         Option to the label of its value.
+
+    Examples
+    --------
+    >>> spec = robsim.campaigns.CampaignSpec(
+    ...     vary={"headings": [36, None]}, metrics="tracking", runs=1, steps=5
+    ... )
+    >>> [case.labels for case in spec.cases]
+    [{'headings': 36}, {'headings': 'None'}]
     """
 
     index: int

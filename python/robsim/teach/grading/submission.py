@@ -108,8 +108,12 @@ class Submission:
 
     Examples
     --------
-    >>> submission = robsim.teach.Submission("mine", slots="control")  # doctest: +SKIP
-    >>> trace = submission.run(robsim.Scenario(measure=True), steps=100)  # doctest: +SKIP
+    >>> import pathlib
+    >>> pathlib.Path("mine").mkdir()
+    >>> size = pathlib.Path("mine/control.py").write_text("def control(step): return 0.2, 0.2")
+    >>> submission = robsim.teach.Submission("mine", slots="control")
+    >>> submission.run(robsim.Scenario(measure=True, seed=1), steps=20).u[0].tolist()
+    [0.2, 0.2]
     """
 
     def __init__(

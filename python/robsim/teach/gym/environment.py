@@ -108,9 +108,11 @@ class TaskEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
 
     Examples
     --------
-    >>> import gymnasium, robsim.teach.gym  # doctest: +SKIP
-    >>> env = gymnasium.make("robsim/Park-v0", observation="pose")  # doctest: +SKIP
-    >>> observation, info = env.reset(seed=1)  # doctest: +SKIP
+    >>> import gymnasium, robsim.teach.gym
+    >>> env = gymnasium.make("robsim/Park-v0", observation="pose")
+    >>> observation, info = env.reset(seed=1)
+    >>> observation.shape, sorted(info)
+    ((4,), ['pose_true'])
     """
 
     metadata = {"render_modes": [_RENDER_MODE], "render_fps": 5}  # noqa: RUF012

@@ -262,6 +262,17 @@ def regrade_class(
     TypeError, ValueError
         If an argument is wrong, or more than limits and points has changed; then nothing is
         written.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("class/ann").mkdir(parents=True)
+    >>> size = pathlib.Path("class/ann/measure.py").write_text("def measure(step): return None")
+    >>> graded = robsim.teach.grade_class(assignment, "class", "marks", public=True)
+    >>> again = robsim.teach.regrade_class(assignment, "marks")
+    >>> again.results[0].points == graded.results[0].points
+    True
     """
     check_is_assignment(assignment)
     folder = _folder(assignment, out, columns, pseudonyms, teacher_pages)

@@ -147,6 +147,16 @@ def play_run(
         the run has all steps until then: its `failed` names the reason.
     AssignmentError, FileNotFoundError, TypeError, ValueError, OSError
         As `grade_submission`.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("ann").mkdir()
+    >>> size = pathlib.Path("ann/measure.py").write_text("def measure(step): return None")
+    >>> played = robsim.teach.play_run(assignment, "ann", "public", run=0)
+    >>> len(played.trace), int(played.trace.seen.sum())
+    (60, 0)
     """
     check_is_assignment(assignment)
     tests = {one.name: one for one in assignment.tests}

@@ -86,6 +86,16 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     -----
     UserWarning
         If only some folders have names from Moodle.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> pathlib.Path("class/ann").mkdir(parents=True)
+    >>> size = pathlib.Path("class/ann/measure.py").write_text("def measure(step): return None")
+    >>> graded = robsim.teach.grade_class(assignment, "class", "marks", public=True)
+    >>> robsim.teach.pack_feedback(graded, "marks", "feedback.zip").name
+    'feedback.zip'
     """
     check_kind("result", result, ClassResult)
     place, target = as_path(out, "out"), as_path(path)
