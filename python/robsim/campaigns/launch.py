@@ -53,7 +53,7 @@ def campaign(
         Numbers to compute from each run, one or several: names, functions, or a mapping of name to
         either. A function returns a number, a dict of numbers, or a `Report`, which gives its
         numbers. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
-        (both of the estimate; heading in rad), ``"parameters"`` (the last online estimate),
+        (of the estimated pose; angles in rad), ``"parameters"`` (the last online estimate),
         ``"batch"``. Scores require arguments, such as ``functools.partial(robsim.score_path,
         waypoints=square)``, or `robsim.control.score_pose`.
     runs : int
@@ -116,7 +116,7 @@ def campaign(
 
     A dead process is replaced, and its runs are repeated; a run that ends its process at each
     attempt is recorded as failed. The same holds for a Dask client, whose nannies restart the
-    workers. Another executor stays broken, and the same call with a new executor continues. In
+    workers. Any other executor stays broken; the same call with a new one continues. In
     separate processes, and here, `time_limit` ends a sleeping callback, but not a callback stuck in
     compiled code.
 

@@ -173,7 +173,7 @@ class Trace:
 
     @property
     def state(self) -> Floats:
-        """Further state of the state estimator (N, n); n = 0 without."""
+        """Further state of the state estimator (N, n); n = 0 if none."""
         return self._groups.get("state", np.empty((self._rows, 0)))
 
     @property

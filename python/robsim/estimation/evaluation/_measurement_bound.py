@@ -296,7 +296,7 @@ def measurement_bound(
     ----------
     frame : Frame
         The source of brightness, contrast, blur, and scale (with its plane map): a frame without
-        noise, or with little. With 40 % and markers of 10 px the bound is twice too large.
+        noise, or with little. With 40 % noise and 10 px markers the bound is doubled.
     pose : array (3,)
         Pose of the robot in the frame: x, y (work-area px), heading (rad).
     robot : RobotDefinition or sequence of array (N, 2)

@@ -22,7 +22,7 @@ _MOST_NOTES = 8
 
 @dataclass(frozen=True)
 class FailedCallback:
-    """Origin of an exception: the attribute ``callback`` of every exception of a callback.
+    """Origin of a callback's exception, as its attribute ``callback``.
 
     Attributes
     ----------

@@ -69,8 +69,8 @@ def check_assignment(
 
     Notes
     -----
-    A right solution has less than full points at the calibrated rate, and a wrong one may pass now
-    and then. So a submission with an unexpected result is graded twice more, with other seeds. It
+    A right solution sometimes loses points (at the calibrated rate), and a wrong one sometimes
+    passes. So a submission with an unexpected result is graded twice more, with other seeds. It
     is a problem if two of three results are unexpected.
     """
     engine = engine_value(executor)

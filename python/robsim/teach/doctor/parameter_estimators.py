@@ -58,7 +58,7 @@ def check_parameter_estimator(
     ----------
     make : callable or path
         ``make() -> estimator``: returns a fresh estimator, as ``init_parameter_estimator`` does:
-        an object with ``update(phi, y)``. Or a fresh callback as for ``estimate_parameters``,
+        an object with ``update(phi, y)``. Or a new ``estimate_parameters`` callback,
         ``estimate(step) -> (3, 5) or None``. Or a file ``init_parameter_estimator.py``, or the
         callback folder that has it.
     updates : int

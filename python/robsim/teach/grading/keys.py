@@ -117,7 +117,7 @@ class Key:
             file.write(f"{_MAGIC}{self._secret.hex()}\n")
 
     def world_seed(self, student: str, test: str, run: int) -> int:
-        """Return the seed of the simulated world in a run, of 128 bits.
+        """Return the 128-bit seed of the simulated world in a run.
 
         Parameters
         ----------

@@ -55,8 +55,8 @@ class Recording:
         The camera's calibration, instead of `plane_map`. Frames of another size are refused.
     headings : int, optional
         Number of drawn headings of the robot, at whole pixels, as in a simulation; the covariances
-        of measured poses then include their rounding. Default: the number in a robsim video,
-        otherwise any, as in a camera's view. Images in a folder have no number.
+        of measured poses then include their rounding. Default: the number stored in a robsim
+        video; otherwise any heading. Images in a folder have no number.
 
     Attributes
     ----------

@@ -44,7 +44,7 @@ def instrumental_variables(
     the same quantity, simulated from the inputs with the current estimate, which is uncorrelated
     with the noise. Samples and instruments are filtered so that the noise becomes white, and the
     estimate is iterated. The fit uses the constraint a1 + a2 = 1, which holds for every robot.
-    Otherwise a parameter could fit a drift of the measured path, which is noise. Gaps cost samples,
+    Otherwise a parameter could fit noise: a drift of the measured path. Gaps cost samples,
     since only consecutive poses are used; `output_error` bridges them.
 
     With measurement noise alone there is asymptotically no bias. Under process noise the estimate

@@ -68,7 +68,7 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     """Write the pages of students, without hidden parts, into one zip.
 
     If Moodle has named the submissions, it accepts this zip (Upload multiple feedback files in a
-    zip). Other students have a folder by their name.
+    zip). The others get a folder with their name.
 
     Parameters
     ----------

@@ -264,7 +264,7 @@ class TaskCalibration(Report):
             If the record has another content.
         """
         if not isinstance(record, Mapping) or record.get("format") != FORMAT:
-            raise ValueError(f"no calibration of format {FORMAT}, got {quoted(record)}")
+            raise ValueError(f"record must have format {FORMAT}, got {quoted(record)}")
         data = {name: value for name, value in record.items() if name != "format"}
         try:
             limits = {name: ScoreLimit(**limit) for name, limit in data.pop("limits").items()}
