@@ -165,7 +165,7 @@ def test_a_lost_score_is_told_in_a_sentence():
     )
     assert told["lost", False] == f"{frames}too large."
     assert told["lost", True].startswith(f"{frames}too large: ")
-    assert told["left", False].startswith("The share of waypoints ")
+    assert told["left", False].startswith("The share of missed waypoints ")
     assert told["heading", False] == "The error of the heading is too large."
 
 

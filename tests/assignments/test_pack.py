@@ -206,7 +206,7 @@ def test_a_grader_that_fails_says_so_in_the_results(calibrated, tmp_path):
     done, results = run_autograder(root)
     assert done.returncode == 2
     assert "limit" in done.stderr  # for the teacher
-    assert "no fault of your submission" in results["output"]
+    assert "without a fault of your submission" in results["output"]
 
 
 def test_a_student_is_known_by_who_has_handed_it_in(tmp_path):

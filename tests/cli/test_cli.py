@@ -135,7 +135,7 @@ def test_all_of_them_work_one_after_the_other(tmp_path):
     for number, image in enumerate(board_pictures(Chessboard(9, 6, 25), farther=1.3)):
         save_image(tmp_path / f"pictures/{number}.png", image)
     save_image(tmp_path / "floor.png", floor_picture(OBLIQUE))
-    for line in typed([*SHELL.splitlines(), *examples()]):
+    for line in typed([*SHELL.replace("\\\n", " ").splitlines(), *examples()]):
         for long, short in SHORTER.items():
             line = line.replace(long, short)
         if line.startswith(ELSEWHERE):

@@ -236,7 +236,7 @@ def test_a_robot_is_turned_cleared_and_guessed(mouse):
     tab.click("[name=clear]")
     wait_for(lambda: len(drawing.sketch.outline) == 0)
     problems = tab.locator(".robsim-problems")
-    wait_for(lambda: "outline needs 3 corners" in problems.inner_text())
+    wait_for(lambda: "outline needs at least 3 corners" in problems.inner_text())
     assert tab.is_disabled("[name=save_robot]")
     tab.click("[name=guess]")
     wait_for(lambda: len(drawing.sketch.outline) > 5)

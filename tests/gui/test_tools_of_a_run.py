@@ -326,7 +326,7 @@ def test_keys_in_a_tool_are_the_tools(open_panel, user_folder):
     tab.click(".robsim-tool [name=clear]")
     tab.wait_for_selector(".robsim-problems:visible")
     tab.click("[name=use_tool]")
-    tab.locator(".robsim-toast:has-text('red marker needs 3 corners')").wait_for()
+    tab.locator(".robsim-toast:has-text('red marker needs at least 3 corners')").wait_for()
     tab.click("[name=discard_tool]")
     tab.wait_for_selector(".robsim-tool", state="detached")
     assert view.driver.state == "paused"

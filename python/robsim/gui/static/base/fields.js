@@ -4,7 +4,7 @@ import { make, painter, text } from "./dom.js";
 
 const MOST_SEGMENTS = 3; // more of them become a list that opens
 const MAKERS = { segments: makeSegments, choice: makeSelect, range: makeRange, switch: makeSwitch };
-const ANSWER_TIME = 1000; // ms in which Python's answer to a value is to come
+export const ANSWER_TIME = 1000; // ms in which Python's answer to a value is to come
 
 /**
  * Make the field of a control: `show` a value that Python tells, `allow` it to be set unless a

@@ -1,6 +1,7 @@
 // The pieces of all tools' sides: rows, words, buttons, fields, tables, lists of problems.
 import { makeTextButton } from "../base/buttons.js";
 import { make, sayOrHide, text } from "../base/dom.js";
+import { ANSWER_TIME } from "../base/fields.js";
 
 const box = (what) => (...children) => make(what, ...children);
 export const makePart = box("div.robsim-tool-part.robsim-surface.robsim-column");
@@ -61,9 +62,15 @@ export const asWords = (value) => (value == null ? "" : String(Number(value.toFi
 
 /** Make the fields of `tell(x, y)`; `known()` is the previous place, `label` the texts' prefix. */
 export function makePlaceFields({ number, prefix, label, known, tell }, about = {}) {
-  const fields = ["x", "y"].map((axis) => makeDecimalField(`${prefix}${axis}_${number}`, () =>
-    tell(...fields.map((field, i) => readNumber(field, known()?.[i] ?? null))),
-  { ariaLabel: text(`${label}.${axis}`, { number }), ...about }));
+  let [sent, until] = [null, 0]; // the last place from here counts until Python can have answered
+  const tellAxis = (i) => {
+    const place = [...((performance.now() < until && sent) || known() || [null, null])];
+    place[i] = readNumber(fields[i], place[i]);
+    [sent, until] = [place, performance.now() + ANSWER_TIME];
+    tell(...place);
+  };
+  const fields = ["x", "y"].map((axis, i) => makeDecimalField(`${prefix}${axis}_${number}`,
+    () => tellAxis(i), { ariaLabel: text(`${label}.${axis}`, { number }), ...about }));
   return fields;
 }
 
