@@ -148,7 +148,7 @@ def test_formats_packets_and_regions_show_the_lab_and_nothing_is_left(server):
                 assert np.hypot(*(measured(frame)[:2] - pose[:2])) < 1.5
         kept.append(held())
     # Of threads and descriptors; what other tests had may still be ending.
-    assert all(now <= then for now, then in zip(kept[-1], kept[1], strict=True))
+    wait_for(lambda: all(now <= then for now, then in zip(held(), kept[1], strict=True)))
 
 
 @pytest.mark.slow
