@@ -49,8 +49,8 @@ class Worker(ABC):
         with self._wake:
             if self._is_over:
                 return False
-            if self._thread is None:
-                self._begin()
+            if self._thread is None and not self._begin():
+                return False
             if first:
                 self._jobs.appendleft(job)
             else:
@@ -109,12 +109,18 @@ class Worker(ABC):
     def is_here(self) -> bool:
         return threading.current_thread() is self._thread
 
-    def _begin(self) -> None:
+    def _begin(self) -> bool:
         thread = threading.Thread(target=self._work, name=self._thread_name, daemon=True)
-        thread.start()  # the thread waits for the lock
+        try:
+            thread.start()  # the thread waits for the lock
+        except RuntimeError:
+            if threading.main_thread().is_alive():
+                raise
+            return False  # Python 3.12 starts no thread at the program's end
         self._thread = thread
         with _lock:
             _at_work.add(self)
+        return True
 
     def _end(self) -> None:
         """Refuse further jobs, with the lock held; waiting jobs run before the thread ends."""
