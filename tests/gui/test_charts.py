@@ -117,7 +117,7 @@ def test_wheel_zooms_about_the_pointer_and_holds_and_a_double_click_follows(show
     assert chart.read(0.25)[0] == pytest.approx(before, abs=1)
     assert 160 < chart.read(0.75)[0] < 250
     host.tab.mouse.dblclick(*chart.at(0.5))
-    assert chart.read(0.5)[0] == pytest.approx(300, abs=1)
+    wait_for(lambda: chart.read(0.5)[0] == pytest.approx(300, abs=1))
     assert follows(host)
 
 

@@ -59,10 +59,12 @@ def watch(tab: Page, seconds: float) -> Watched:
     """Start the run of the panel that a tab shows, and return what is painted of it."""
     panel = tab.locator(".robsim-panel")
     panel.evaluate(_WIDEN, SIZE + 2)  # with its border
+    start = panel.locator(".robsim-transport button[name=start]")
+    start.and_(tab.locator(":enabled")).wait_for(timeout=300_000)  # all tabs are there then
     for sheet in panel.get_by_role("tab").all():
         sheet.click()  # its columns come from now on
     panel.get_by_role("tab").first.click()
-    panel.locator(".robsim-transport button[name=start]").click()
+    start.click()
     time.sleep(_WARM_UP)
     sides = panel.locator(".robsim-camera canvas").evaluate(_SIDES)
     if sides != [SIZE, SIZE]:

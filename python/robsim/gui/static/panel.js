@@ -93,7 +93,7 @@ function makeTabs(context, sheets) {
     return make("button", { ...about, onclick: () => choose(name) }, text(name));
   });
   const about = { role: "tablist", ariaLabel: text("tabs") };
-  const list = make("div.robsim-tabs.robsim-cut", about, ...tabs);
+  const list = make("div.robsim-tabs.robsim-cut", about);
   const elements = names.map((name) => sheets[name].element);
   moveByArrows(list, (button) => choose(button.value));
 
@@ -106,12 +106,13 @@ function makeTabs(context, sheets) {
   context.on("local", (name) => name == "tab" && show());
   const callbacks = tabs[names.indexOf("callbacks")];
   context.on("state", ({ error }) => (callbacks.dataset.mark = error ? "bad" : ""));
-  context.on("setup", ({ has_options: hasOptions, challenge }) => {
-    if (!hasOptions) tabs[names.indexOf("scenario")].remove();
-    if (!challenge) tabs[names.indexOf("scores")].remove();
+  const offer = (isThere) => {
+    list.replaceChildren(...tabs.filter(({ value }) => isThere[value] ?? true));
     show();
-  });
+  };
+  context.on("setup", ({ has_options: hasOptions, challenge }) =>
+    offer({ scenario: Boolean(hasOptions), scores: Boolean(challenge) }));
   context.on("result", ({ again }) => again || choose("result")); // not one from before
-  show();
+  offer({ scenario: false, scores: false }); // until the setup says what there is
   return { list, sheets: make("div.robsim-sheets", ...elements) };
 }
