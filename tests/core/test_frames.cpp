@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <string>
 #include <vector>
@@ -47,24 +48,30 @@ TEST(FrameClock, TheLeastDelayIsTakenForTheOffsetOfTheDevicesClock) {
   EXPECT_LT(worst, 0.0015);
 }
 
-TEST(FrameClock, TheJitterOfArrivalsIsDamped) {
-  for (const bool is_known : {true, false}) {
-    FrameClock clock(is_known ? std::optional<double>(interval) : std::nullopt);
-    std::mt19937 random(2);
-    std::normal_distribution<double> late(0.010, 0.003);
-    double before = 0, jitter = 0, jitter_of_arrivals = 0, arrival_before = 0;
-    for (int i = 0; i < 600; ++i) {
-      const double arrival = 50 + i * interval + std::max(0.0, late(random));
-      const double time = clock.time_of(arrived_at(arrival));
-      EXPECT_LE(time, arrival);
-      if (i > 200) {
-        jitter += std::pow(time - before - interval, 2);
-        jitter_of_arrivals += std::pow(arrival - arrival_before - interval, 2);
-      }
-      before = time;
-      arrival_before = arrival;
+// The part of the arrivals' jitter that is left in the times.
+double jitter_left(FrameClock clock, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> late(0.010, 0.003);
+  double before = 0, jitter = 0, jitter_of_arrivals = 0, arrival_before = 0;
+  for (int i = 0; i < 600; ++i) {
+    const double arrival = 50 + i * interval + std::max(0.0, late(random));
+    const double time = clock.time_of(arrived_at(arrival));
+    EXPECT_LE(time, arrival);
+    if (i > 200) {
+      jitter += std::pow(time - before - interval, 2);
+      jitter_of_arrivals += std::pow(arrival - arrival_before - interval, 2);
     }
-    EXPECT_LT(jitter, jitter_of_arrivals / 4);
+    before = time;
+    arrival_before = arrival;
+  }
+  return jitter / jitter_of_arrivals;
+}
+
+// Of 200 starts: an interval that is measured wrong at first must not confirm itself.
+TEST(FrameClock, TheJitterOfArrivalsIsDamped) {
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    EXPECT_LT(jitter_left(FrameClock(interval), seed), 0.25) << "seed " << seed;
+    EXPECT_LT(jitter_left(FrameClock(), seed), 0.25) << "seed " << seed;
   }
 }
 

@@ -15,6 +15,7 @@ constexpr double early = 0.25;         // intervals by which a frame may seem to
 constexpr double creep = 0.02;         // towards a frame that came late
 constexpr double first_measured = 16;  // intervals, over which their length is measured
 constexpr double most_measured = 160;
+constexpr double kept = 0.5;       // of a fraction of an interval, for the next frame
 constexpr double credible = 0.25;  // relative deviation of the interval from what is seen
 
 }  // namespace
@@ -69,14 +70,22 @@ double FrameClock::by_arrival(double arrived) {
   const double intervals = std::max(1.0, std::floor((arrived - *last_) / interval_ + early));
   const double predicted = *last_ + intervals * interval_;
   const double time = std::min(predicted + creep * (arrived - predicted), arrived);
-  // A frame that came very late was taken for a later one: those behind it tell.
-  n_since_mark_ += intervals - std::max(0.0, std::round((predicted - arrived) / interval_));
+  n_since_mark_ += intervals_to(arrived);
   if (n_since_mark_ >= measured_) {
     interval_ = (arrived - mark_) / n_since_mark_;
     measured_ = std::min(2 * measured_, most_measured);
     mark(arrived);
   }
   return time;
+}
+
+// From arrival to arrival: predicted times drift with a wrong interval, and would confirm it. What
+// is left of a late frame is taken off those behind it, in part: a wrong interval must not add up.
+double FrameClock::intervals_to(double arrived) {
+  const double passed = (arrived - *last_arrival_) / interval_ + left_over_;
+  const double whole = std::max(0.0, std::round(passed));
+  left_over_ = kept * (passed - whole);
+  return whole;
 }
 
 void FrameClock::mark(double arrived) {

@@ -26,6 +26,7 @@ class FrameClock {
   double by_device(double device_time, double arrived);
   double by_arrival(double arrived);
   bool has_new_interval(double arrived);
+  double intervals_to(double arrived);
   void mark(double arrived);
 
   static constexpr std::size_t watched = 15;
@@ -38,6 +39,7 @@ class FrameClock {
   double measured_;          // intervals over which the next one is measured
   double mark_ = 0;          // arrival from which the interval is measured, s
   double n_since_mark_ = 0;  // intervals
+  double left_over_ = 0;     // of an interval, by which the last frame seemed late
   std::array<double, watched> differences_{};
   std::size_t n_differences_ = 0;
 };
