@@ -39,7 +39,7 @@ class FrameClock {
   double measured_;          // intervals over which the next one is measured
   double mark_ = 0;          // arrival from which the interval is measured, s
   double n_since_mark_ = 0;  // intervals
-  double left_over_ = 0;     // of an interval, by which the last frame seemed late
+  double left_over_ = 0;     // intervals
   std::array<double, watched> differences_{};
   std::size_t n_differences_ = 0;
 };

@@ -113,6 +113,6 @@ function makeTabs(context, sheets) {
   context.on("setup", ({ has_options: hasOptions, challenge }) =>
     offer({ scenario: Boolean(hasOptions), scores: Boolean(challenge) }));
   context.on("result", ({ again }) => again || choose("result")); // not one from before
-  offer({ scenario: false, scores: false }); // until the setup says what there is
+  offer({ scenario: false, scores: false }); // until the setup names them
   return { list, sheets: make("div.robsim-sheets", ...elements) };
 }
