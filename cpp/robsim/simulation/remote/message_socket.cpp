@@ -126,7 +126,7 @@ MessageSocket::Head MessageSocket::head() const {
   Head head;
   std::memcpy(&head, buffer_.data(), sizeof head);
   if (head.zero != 0 || (limits_ && !limits_->count(head.kind))) {
-    throw WrongMessage("a message of a kind that there is not");
+    throw WrongMessage("a message of an unknown kind");
   }
   if (limits_ && head.length > limits_->at(head.kind)) {
     throw WrongMessage("a message of " + std::to_string(head.length) + " bytes, more than " +
