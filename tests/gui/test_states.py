@@ -55,9 +55,9 @@ class Case:
         self.until(lambda: self.is_shown(state))
         self.steps = self.view.record.n_steps
 
-    def fail(self):
+    def fail(self, button="start"):
         self.does = "fail"
-        self.here.say("press", button="start")
+        self.here.say("press", button=button)
 
     def hang(self):
         self.does = "hang"
@@ -82,11 +82,14 @@ class Case:
             self.here.of = self.here.all_of
         elif event == "the last page goes":
             self.here.say("bye")
-            self.clock.advance(self.view, 0.0)
-            self.clock.advance(self.view, 2.1)
+            if not self.view.is_over:
+                self.clock.advance(self.view, 0.0)
+                self.clock.advance(self.view, 2.1)
             self.here = Watcher(self.view)
         elif event == "an error":
             self.does = "fail"
+        elif event == "a step with an error":
+            self.fail("step")
         elif event == "30 s":
             self.clock.advance(self.view, 30)
         elif event == "its file changes":
