@@ -53,6 +53,21 @@ def tell_tree(host, path, *nodes, k=212):
     host.emit({"type": "tree", "k": k, "path": path, "nodes": nodes})
 
 
+def test_tabs_that_need_something_are_offered_once_it_is_there(open_fake):
+    host = open_fake()
+
+    def names():
+        return [tab.get_attribute("value") for tab in host.tab.get_by_role("tab").all()]
+
+    assert not {"scenario", "scores"} & set(names())
+    host.setup(has_options=True)
+    wait_for(lambda: "scenario" in names())
+    assert "scores" not in names()
+    host.setup(challenge={"title": "Park", "steps": 150, "slots": ["control"]})
+    wait_for(lambda: "scores" in names())
+    assert "scenario" not in names()
+
+
 def wait_sent(host, kind, count=1):
     wait_for(lambda: len(host.sent(kind)) >= count)
     return host.sent(kind)
