@@ -82,7 +82,7 @@ def backwards(pose, pose_before, inputs):
     },
 )
 def pose_ahead(pose, pose_before, inputs):
-    """Return the pose (3,) after all inputs, of shape (N, 2), one step for each of them."""
+    """Return the pose (3,) after all inputs (N, 2); each input acts for one step."""
     for u in inputs:
         pose, pose_before = MODEL.predict(pose, pose_before, u), pose
     return pose

@@ -153,7 +153,7 @@ def best_pair(reds, blues, distance):
     },
 )
 def marker_pair(reds, blues, distance):
-    """Return the indexes (i, j) of the red and the blue place that fit a distance best."""
+    """Return the indexes (i, j) of the red and blue place with a distance nearest to `distance`."""
     if len(reds) == 0 or len(blues) == 0:
         return -1, -1
     misfit = abs(np.linalg.norm(reds[:, None] - blues, axis=2) - distance)
