@@ -175,8 +175,8 @@ Return the class with wider ranges.
 Parameters
 ----------
 margin : int
-    Shift of each end outwards (levels); negative: inwards. Ends at 0 and 255 are open and
-    do not move.
+    Outward shift of each limit (levels); a negative shift is inward. Limits at 0 and 255 are open
+    and do not move.
 
 Raises
 ------
@@ -253,7 +253,7 @@ Examples
 
 void bind_color(py::module_& module) {
   Class<ColorClass> color_class(public_in(module, "robsim"), "ColorClass", R"(
-A named colour: a pixel belongs to it if its Y, U and V lie within the ranges.
+A named colour: a pixel belongs to the colour if the pixel's Y, U and V lie within the ranges.
 
 Parameters
 ----------

@@ -209,8 +209,8 @@ Without excitation, as with a constant input, forgetting lets P grow without bou
 of P never exceeds 1e9 per parameter, or its initial value if that is larger. The variances D of
 single columns of U are limited accordingly. This adds information along these columns only. The
 estimates do not change, excited directions are forgotten as before, and when excitation returns the
-filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
-filter follows a change of the parameters more and more slowly as samples accumulate.
+filter adapts like a new one. Below the limit, the filter is the textbook filter. With a forgetting
+of 1 a filter follows a change of the parameters more and more slowly as samples accumulate.
 
 Examples
 --------

@@ -55,18 +55,18 @@ std::optional<int> headings_of(const Frame& frame) {
 
 void bind_frame(py::module_& module) {
   Class<Frame> frame(public_in(module, "robsim"), "Frame", R"(
-A camera image with its time: the robot half's only data about the world.
+A camera image with its time: the only data about the world for the robot's software.
 
-The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these. Otherwise the red and the blue
-marker change places, and the robot is measured facing backwards, in a wrong place.
+The pixels are RGB. OpenCV's pixels are BGR: use `Frame.from_bgr` for these. Otherwise the red and
+the blue marker are swapped, and the measured pose has the wrong direction and position.
 
 Parameters
 ----------
 image : array (H, W, 3) of uint8
-    RGB pixels. With ``copy=False`` any buffer of this type and shape.
+    RGB pixels. With ``copy=False``, any buffer of this type and shape is accepted.
 copy : bool
     False: use the array's own memory, such as shared memory. The frame keeps the array alive and
-    always shows its present content. Overwriting the memory changes the frame, its hash and its
+    always shows its current content. Overwriting the memory changes the frame, its hash and its
     equality.
 t : float, optional
     Time (s), of the exposure if the camera knows it. None: the frame has no time.
@@ -80,8 +80,9 @@ plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
 headings : int, optional
     Number of drawn headings of the robot, at whole pixels, as in frames of a simulation: no
-    measurement of its pose is better, and the covariance includes this. Default: any, as in a
-    camera's view. A frame made only from the pixels of a simulated one needs this number.
+    measurement of its pose is better, and the covariance includes this. By default any heading is
+    possible, as in a real camera's frames. A frame made only from the pixels of a simulated frame
+    needs this number.
 
 Examples
 --------

@@ -93,12 +93,12 @@ covariance : array (3, 3), optional
     Of x, y (work-area px) and heading (rad). Default: not known.
 misfit : float, optional
     Factor on the variance, because the residuals of the markers' fit contain more than noise: 1 =
-    only noise. In clean frames it is up to 2, from the rendering. Above, the markers differ from
-    their outlines: moved, compressed, partly hidden. The `misfit` of a `Detection` is another
-    figure, for the pair of blobs.
+    only noise. In frames without noise the rendering causes a misfit of up to 2. A larger misfit
+    means that the markers differ from their outlines: they are moved, compressed or partly hidden.
+    The `misfit` of a `Detection` is a different number, which refers to the pair of blobs.
 signal_to_noise : float, optional
-    Ratio of the markers' edges to the noise. From 4 on a pose is reliable, below 3 no pose is
-    reported.
+    Ratio of the markers' edges to the noise. A pose is reliable if the ratio is at least 4; below 3
+    no pose is reported.
 seen : dict of str to Blob, optional
     The seen markers of the robot, by role, ``"right"`` and ``"left"``, or ``"front"`` and
     ``"back"``: for a `BlobMarker` its blob. Its colour is its identity.

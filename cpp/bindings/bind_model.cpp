@@ -161,7 +161,7 @@ Arrays regression_of(const ArrayLike& poses_value, const ArrayLike& u_value) {
 
 void bind_parameters(py::module_& module) {
   Class<RobotParameters> parameters(public_in(module, "robsim"), "RobotParameters", R"(
-The physical robot; the defaults are the original program's.
+The physical parameters of the robot; the defaults come from the original program.
 
 Parameters
 ----------
@@ -274,12 +274,12 @@ unwrapped : bool
 Returns
 -------
 array (3,) or (N, 3)
-    The pose, its heading in (-pi, pi]. An argument with one row stands for all N.
+    The pose, with a heading in (-pi, pi]. An argument with a single row applies to all N steps.
 
 Raises
 ------
 TypeError, ValueError
-    If an argument is not of this type or shape, or not finite.
+    If an argument has the wrong type or shape, or is not finite.
 )")
       .def("jacobian", &jacobian_of, "pose_1"_a, "pose_2"_a, "u"_a, R"(
 Return the derivatives of the pose of step k by the two previous poses.
@@ -299,7 +299,7 @@ array (3, 6) or (N, 3, 6)
 Raises
 ------
 TypeError, ValueError
-    If an argument is not of this type or shape, or not finite.
+    If an argument has the wrong type or shape, or is not finite.
 )")
       .def("steps_in", &RobotModel::steps_in, "dt"_a, R"(
 Return the number of the model's steps in a time: several if frames were lost.
@@ -312,7 +312,8 @@ dt : float
 Raises
 ------
 ValueError
-    If the time is not a multiple of the model's dt, at least one, within a quarter of that dt.
+    If the time is not a positive multiple of the model's dt, with a tolerance of a quarter of that
+    dt.
 )");
   define_repr(model, "<RobotModel: dt = {0.dt!r} s, theta =\n{0.theta}>");
   define_record(model,

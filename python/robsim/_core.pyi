@@ -251,18 +251,18 @@ class PlaneMap:
         """
 class Frame:
     """
-    A camera image with its time: the robot half's only data about the world.
+    A camera image with its time: the only data about the world for the robot's software.
     
-    The pixels are RGB. OpenCV's are BGR: use `Frame.from_bgr` for these. Otherwise the red and the blue
-    marker change places, and the robot is measured facing backwards, in a wrong place.
+    The pixels are RGB. OpenCV's pixels are BGR: use `Frame.from_bgr` for these. Otherwise the red and
+    the blue marker are swapped, and the measured pose has the wrong direction and position.
     
     Parameters
     ----------
     image : array (H, W, 3) of uint8
-        RGB pixels. With ``copy=False`` any buffer of this type and shape.
+        RGB pixels. With ``copy=False``, any buffer of this type and shape is accepted.
     copy : bool
         False: use the array's own memory, such as shared memory. The frame keeps the array alive and
-        always shows its present content. Overwriting the memory changes the frame, its hash and its
+        always shows its current content. Overwriting the memory changes the frame, its hash and its
         equality.
     t : float, optional
         Time (s), of the exposure if the camera knows it. None: the frame has no time.
@@ -276,8 +276,9 @@ class Frame:
         Pixels to work area. Default: the identity.
     headings : int, optional
         Number of drawn headings of the robot, at whole pixels, as in frames of a simulation: no
-        measurement of its pose is better, and the covariance includes this. Default: any, as in a
-        camera's view. A frame made only from the pixels of a simulated one needs this number.
+        measurement of its pose is better, and the covariance includes this. By default any heading is
+        possible, as in a real camera's frames. A frame made only from the pixels of a simulated frame
+        needs this number.
     
     Examples
     --------
@@ -446,7 +447,7 @@ class Grabber:
         """
 class RobotParameters:
     """
-    The physical robot; the defaults are the original program's.
+    The physical parameters of the robot; the defaults come from the original program.
     
     Parameters
     ----------
@@ -613,7 +614,7 @@ class RobotModel:
         Raises
         ------
         TypeError, ValueError
-            If an argument is not of this type or shape, or not finite.
+            If an argument has the wrong type or shape, or is not finite.
         """
     def predict(self, pose_1: numpy.typing.ArrayLike, pose_2: numpy.typing.ArrayLike, u: numpy.typing.ArrayLike, *, unwrapped: bool = False) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -631,12 +632,12 @@ class RobotModel:
         Returns
         -------
         array (3,) or (N, 3)
-            The pose, its heading in (-pi, pi]. An argument with one row stands for all N.
+            The pose, with a heading in (-pi, pi]. An argument with a single row applies to all N steps.
         
         Raises
         ------
         TypeError, ValueError
-            If an argument is not of this type or shape, or not finite.
+            If an argument has the wrong type or shape, or is not finite.
         """
     def steps_in(self, dt: float) -> int:
         """
@@ -650,7 +651,8 @@ class RobotModel:
         Raises
         ------
         ValueError
-            If the time is not a multiple of the model's dt, at least one, within a quarter of that dt.
+            If the time is not a positive multiple of the model's dt, with a tolerance of a quarter of that
+            dt.
         """
     @property
     def dt(self) -> float:
@@ -754,7 +756,7 @@ class VisualNoise:
         """
 class ColorClass:
     """
-    A named colour: a pixel belongs to it if its Y, U and V lie within the ranges.
+    A named colour: a pixel belongs to the colour if the pixel's Y, U and V lie within the ranges.
     
     Parameters
     ----------
@@ -846,8 +848,8 @@ class ColorClass:
         Parameters
         ----------
         margin : int
-            Shift of each end outwards (levels); negative: inwards. Ends at 0 and 255 are open and
-            do not move.
+            Outward shift of each limit (levels); a negative shift is inward. Limits at 0 and 255 are open
+            and do not move.
         
         Raises
         ------
@@ -1106,12 +1108,12 @@ class Measurement:
         Of x, y (work-area px) and heading (rad). Default: not known.
     misfit : float, optional
         Factor on the variance, because the residuals of the markers' fit contain more than noise: 1 =
-        only noise. In clean frames it is up to 2, from the rendering. Above, the markers differ from
-        their outlines: moved, compressed, partly hidden. The `misfit` of a `Detection` is another
-        figure, for the pair of blobs.
+        only noise. In frames without noise the rendering causes a misfit of up to 2. A larger misfit
+        means that the markers differ from their outlines: they are moved, compressed or partly hidden.
+        The `misfit` of a `Detection` is a different number, which refers to the pair of blobs.
     signal_to_noise : float, optional
-        Ratio of the markers' edges to the noise. From 4 on a pose is reliable, below 3 no pose is
-        reported.
+        Ratio of the markers' edges to the noise. A pose is reliable if the ratio is at least 4; below 3
+        no pose is reported.
     seen : dict of str to Blob, optional
         The seen markers of the robot, by role, ``"right"`` and ``"left"``, or ``"front"`` and
         ``"back"``: for a `BlobMarker` its blob. Its colour is its identity.
@@ -1324,8 +1326,8 @@ class RecursiveLeastSquares:
     of P never exceeds 1e9 per parameter, or its initial value if that is larger. The variances D of
     single columns of U are limited accordingly. This adds information along these columns only. The
     estimates do not change, excited directions are forgotten as before, and when excitation returns the
-    filter adapts like a new one. Below the limit it is the textbook filter. With forgetting = 1 a
-    filter follows a change of the parameters more and more slowly as samples accumulate.
+    filter adapts like a new one. Below the limit, the filter is the textbook filter. With a forgetting
+    of 1 a filter follows a change of the parameters more and more slowly as samples accumulate.
     
     Examples
     --------
@@ -1612,7 +1614,7 @@ class Sample:
         """
 class Observation:
     """
-    An item from a source of frames for an `Experiment`, instead of a plain frame.
+    An item of the `frames` of an `Experiment`, with more data than a plain frame.
     
     Parameters
     ----------
@@ -1684,10 +1686,10 @@ class Observation:
         """
 class Step:
     """
-    The robot half's data of a step, read-only. Each stage adds its result.
+    The data of a step for the robot's software, read-only. Each stage adds its result.
     
-    Made by hand, it tests a callback without a simulation. A copy has the frame, if it still exists,
-    but no `estimator`. Steps with the same numbers are equal; frames are not compared.
+    A step that you create yourself can test a callback without a simulation. A copy has the frame, if
+    it still exists, but no `estimator`. Steps with the same numbers are equal; frames are not compared.
     
     Parameters
     ----------
@@ -2193,8 +2195,8 @@ class MotorReceiver(ReceivedInput):
         """
 class WorldState:
     """
-    The argument of the callback `evaluate_model`. Made by hand, it tests a callback without a
-    simulation.
+    The argument of the callback `evaluate_model`. A state that you create yourself can test a callback
+    without a simulation.
     
     Parameters
     ----------
@@ -2478,7 +2480,7 @@ class Spin(Controller):
         """
 class DriveAround(Controller):
     """
-    Drives around: for each motor a random voltage, held for some steps.
+    Drives around: each motor gets a random voltage, which is held for some steps.
     
     Parameters
     ----------
@@ -2526,7 +2528,7 @@ class DriveAround(Controller):
         """
 class Replay(Controller):
     """
-    Repeats recorded inputs: in step k the input of row k.
+    Repeats recorded inputs: step k gets the input of row k.
     
     Parameters
     ----------

@@ -128,8 +128,8 @@ def camera(text):
     first, second = (", ".join(f'``"{name}"``' for name in bus.CODINGS) for bus in (firewire, gige))
     doc = (
         f"The camera's pixel coding: on FireWire one of {first}; on GigE one of {second}. "
-        "Default: the first of these that it has at that rate. ``raw8`` comes from behind a Bayer "
-        "filter."
+        "Default: the first of these codings that the camera supports at its frame rate. ``raw8`` "
+        "comes from behind a Bayer filter."
     )
     return with_entries(text, "coding", "features", entry("coding", "str, optional", doc))
 

@@ -69,7 +69,7 @@ Replay replay_from_bytes(const py::bytes& bytes) {
 void bind_replay(py::module_& module) {
   Class<Replay, Controller, std::shared_ptr<Replay>> replay(public_in(module, "robsim"), "Replay",
                                                             R"(
-Repeats recorded inputs: in step k the input of row k.
+Repeats recorded inputs: step k gets the input of row k.
 
 Parameters
 ----------
@@ -132,7 +132,7 @@ array([0.  , 0.  , 0.81])
   const DriveAround defaults;
   Class<DriveAround, Controller, std::shared_ptr<DriveAround>> drive(public_in(module, "robsim"),
                                                                      "DriveAround", R"(
-Drives around: for each motor a random voltage, held for some steps.
+Drives around: each motor gets a random voltage, which is held for some steps.
 
 Parameters
 ----------

@@ -111,7 +111,7 @@ Examples
 
 void bind_observation(py::module_& module) {
   Class<Arrived> observation(public_in(module, "robsim"), "Observation", R"(
-An item from a source of frames for an `Experiment`, instead of a plain frame.
+An item of the `frames` of an `Experiment`, with more data than a plain frame.
 
 Parameters
 ----------

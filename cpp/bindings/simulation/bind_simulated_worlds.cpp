@@ -139,8 +139,8 @@ WorldState make_world_state(const Pose& pose_1, const Pose& pose_2, const Input&
 
 void bind_world_state(py::module_& module) {
   Class<WorldState> world(public_in(module, "robsim.simulation"), "WorldState", R"(
-The argument of the callback `evaluate_model`. Made by hand, it tests a callback without a
-simulation.
+The argument of the callback `evaluate_model`. A state that you create yourself can test a callback
+without a simulation.
 
 Parameters
 ----------

@@ -147,10 +147,10 @@ std::shared_ptr<Step> make_step(std::int64_t k, std::optional<double> t, double 
 
 void bind_steps(py::module_& module) {
   Class<Step, std::shared_ptr<Step>> step(public_in(module, "robsim"), "Step", R"(
-The robot half's data of a step, read-only. Each stage adds its result.
+The data of a step for the robot's software, read-only. Each stage adds its result.
 
-Made by hand, it tests a callback without a simulation. A copy has the frame, if it still exists,
-but no `estimator`. Steps with the same numbers are equal; frames are not compared.
+A step that you create yourself can test a callback without a simulation. A copy has the frame, if
+it still exists, but no `estimator`. Steps with the same numbers are equal; frames are not compared.
 
 Parameters
 ----------

@@ -205,8 +205,8 @@ class GoToPoint(_Drive):
     """Drives the robot to a point, forwards or backwards, and stops it there.
 
     It uses the estimated pose if a state estimator runs, otherwise the measured one. While the
-    robot is not seen, the voltages are (0, 0). It stores the last pose: create one for each
-    simulation.
+    robot is not seen, the voltages are (0, 0). The controller stores the last pose: create a new
+    controller for each simulation.
 
     Parameters
     ----------
@@ -283,9 +283,9 @@ class _Progress:
 class FollowPath(_Drive):
     """Drives the robot along straight lines from waypoint to waypoint and stops it at the last.
 
-    The first line begins at the first seen position of the robot in a run. It drives like
-    `GoToPoint`, to a goal on the path ahead of the robot; the goal stops at a corner sharper than
-    45 degrees, so that the robot slows down there.
+    The first line begins where the robot is first seen in a run. The controller works like
+    `GoToPoint`, with a goal on the path ahead of the robot. At a corner sharper than 45 degrees the
+    goal stops, so that the robot slows down there.
 
     Parameters
     ----------

@@ -60,42 +60,44 @@ _LONGEST_FRAME_TIMEOUT = 0.3  # s, by default; so long a robot drives when the l
 
 
 class Experiment(Runner):
-    """A robot under a real camera, or its recording, driven by the callbacks of a simulation.
+    """A robot under a real camera, or a recording of one, driven by the callbacks of a simulation.
 
     Each step runs these stages in order. A frame comes, then the parameter estimator gets the
     newest sample. The measurement evaluates the frame, and the state estimator updates its
     estimate. The controller returns an input, which is sent at once.
 
-    Each end of a run stops the robot: its last step, the end of the frames, an exception, Ctrl-C,
-    `stop`, a missing frame, and the end of a ``with`` block. After `step` the robot drives until
-    the next one, at most for `frame_timeout`.
+    The robot stops whenever a run ends: at the last step, the end of the frames, an exception,
+    Ctrl-C, `stop`, a missing frame, or the end of a ``with`` block. After a call of `step`, the
+    robot keeps driving until the next call, at most for `frame_timeout`.
 
     Parameters
     ----------
     frames : iterable of Frame, Observation or None
-        One item for each step, requested after the previous step. None = no frame in this step:
-        nothing is measured. An `Observation` can bring more than a frame. The times ``t`` of the
-        frames (s) increase, or are all missing: then they are one sample time of the model apart.
-        Optional attributes ``area`` and ``dt`` of the iterable set the area and the dt of the
-        default model, ``mm_per_px`` the length of a px.
+        One item for each step, requested after the previous step. None means that the step has no
+        frame, so nothing is measured. An `Observation` can contain more data than a frame. The
+        times ``t`` of the frames (s) must increase. If all times are missing, the frames are one
+        sample time of the model apart. The iterable may have the attributes ``area``, ``dt`` and
+        ``mm_per_px``. These set the work area, the default model's sample time and the length of a
+        px.
     send : callable, optional
-        ``send(u)``: brings an input, array (2,) in V, to the robot. Motors of `robsim.lab` work
-        without the interpreter: they stop the robot even if a callback never releases it.
+        ``send(u)``: brings an input, array (2,) in V, to the robot. The motors of `robsim.lab` work
+        without the interpreter: they stop the robot even if a callback never releases the
+        interpreter.
     stop_input : sequence of 2 floats, or None
-        The input that stops the robot (V). None = nothing is sent at the end of a run.
+        The input that stops the robot (V). With None, nothing is sent at the end of a run.
     frame_timeout : float, optional
         Maximum time from the arrival of a frame until the next one is taken (s), ten times as long
-        for the first. Otherwise the robot is stopped and the run ends with a TimeoutError. The
-        limit covers late frames and slow callbacks, and also callbacks that hold the interpreter,
-        if `send` works without the interpreter. A watchdog in a separate thread stops the robot,
-        also after `step`. Default: three times the ``dt`` of the frames, at least 0.1 s, or 1 s
-        without a ``dt``. It grows to twice the longest time between two taken frames, up to 0.3 s.
-        Without `send` no limit (inf).
+        for the first. After this time the robot is stopped, and the run ends with a TimeoutError.
+        The limit covers late frames and slow callbacks, and also callbacks that hold the
+        interpreter, if `send` works without the interpreter. A watchdog in a separate thread stops
+        the robot, also after `step`. Default: three times the ``dt`` of the frames, at least 0.1 s,
+        or 1 s without a ``dt``. This default grows to twice the longest time between two frames, up
+        to 0.3 s. Without `send` there is no limit (inf).
     limits : robsim.lab.Limits, optional
         Limits on the inputs, applied before sending. ``step.u`` and the trace have the inputs as
         sent.
     robot : str, path or RobotDefinition, optional
-        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the robot chosen
         with ``robsim robots use``, initially ``"lab"``.
     area : tuple of int, optional
         Width and height of the work area (px). Default: ``frames.area`` if it exists, or 1200 x
@@ -104,9 +106,9 @@ class Experiment(Runner):
         Seed of the random numbers of controllers and of `rng`. None = unpredictable.
     record : path, optional
         File of a session, which records frames, times, inputs and set-up step by step: see
-        `robsim.trace.Session`. Its name gets the suffix ``.mcap``; an existing file is an error. It
-        is complete when the ``with`` block ends, and readable even if the program crashes. A
-        warning reports the first failed write at once. Needs OpenCV.
+        `robsim.trace.Session`. The file's name gets the suffix ``.mcap``; an existing file is an
+        error. The file is complete when the ``with`` block ends, and readable even if the program
+        crashes. A warning reports the first failed write at once. Needs OpenCV.
     lossless : bool
         Whether the frames are recorded with a lossless codec.
     colors, markers, smoothing, time_limit
@@ -256,7 +258,7 @@ class Experiment(Runner):
                 self._recording.close(self.trace)
 
     def run(self, steps: int | None = None, *, progress: bool | str = False) -> Trace:
-        """Run some steps, or all; a run continues where the last one ended.
+        """Run some or all steps; a run continues where the previous run ended.
 
         Parameters
         ----------
@@ -273,11 +275,12 @@ class Experiment(Runner):
         Raises
         ------
         Exception
-            Any exception of a callback, of `frames` or of `send`. Its note names the callback and
-            the step, and its attribute ``callback`` is a `robsim.simulation.FailedCallback`.
-            `trace` keeps the previous steps. The next run repeats the failed stage in the same
-            step, but not the stages ahead of it. With a live camera, the next run begins with a new
-            frame: the partial step is kept, without an input.
+            Any exception raised by a callback, by `frames` or by `send`. Its note names the
+            callback and the step, and its attribute ``callback`` is a
+            `robsim.simulation.FailedCallback`. `trace` keeps the previous steps. The next run
+            repeats the failed stage in the same step, but not the earlier stages. With a live
+            camera, the next run begins with a new frame, and the partial step is kept without an
+            input.
         EOFError
             If `steps` is given and there are no more frames.
         TimeoutError
@@ -288,8 +291,8 @@ class Experiment(Runner):
         Warns
         -----
         UserWarning
-            If the frames end before `steps` steps are done, or are empty. If the first frame has
-            another size than the area and no plane map, or they seem to be in OpenCV's order, BGR.
+            If the frames end before `steps` steps are done, or are empty. If the first frame has no
+            plane map and not the size of the area, or if frames seem to be in OpenCV's order, BGR.
             If results of callbacks are implausible, as in `Simulation.run`.
         robsim.vision.SmallMarkersWarning
             If the default measurement evaluates markers that are too small for the noise in the
@@ -366,9 +369,9 @@ class Experiment(Runner):
 
     @property
     def is_live(self) -> bool:
-        """Whether the frames come at their own pace, as from a camera.
+        """Whether the source sets the pace of the frames, as a camera does.
 
-        False for a recording, a session and frames of your own, which wait for a request.
+        False for a recording, a session and your own frames, which are read on request.
         """
         return self._source.is_live
 
@@ -376,8 +379,8 @@ class Experiment(Runner):
         """Stop the robot at once, even during a callback; any thread may call this.
 
         The current run sends nothing more to the robot, and ends after its step. If a callback is
-        still computing an input then, the run raises a `robsim.lab.HaltedError`. The next `run` or
-        `step` drives the robot again.
+        computing an input at that moment, the run raises a `robsim.lab.HaltedError`. The next `run`
+        or `step` drives the robot again.
 
         Raises
         ------

@@ -219,8 +219,8 @@ class Options:
 
     robot: str | PathLike[str] | RobotDefinition | None = value(
         ROBOT, None,
-        "Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen "
-        'with ``robsim robots use``, initially ``"lab"``.',
+        "Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the robot "
+        'chosen with ``robsim robots use``, initially ``"lab"``.',
         kind="str, path or RobotDefinition", types=(RobotDefinition,), normal=as_robot,
         group="robot",
     )  # fmt: skip
@@ -240,8 +240,8 @@ class Options:
     )  # fmt: skip
     headings: int | None = whole(
         WORLD, HEADINGS,
-        "Number of drawn headings of the robot: the nearest one, at integer pixels. None: "
-        "drawn at its exact position and heading.",
+        "Number of drawn headings of the robot: the nearest one, at integer pixels. None: the "
+        "robot is drawn at its exact position and heading.",
         minimum=1, maximum=360, group="camera",
     )  # fmt: skip
     noise: Noise | None = value(
@@ -265,17 +265,16 @@ class Options:
     )  # fmt: skip
     camera_delay: int = whole(
         WORLD, 0,
-        "Delay of a frame until it reaches the robot's software (steps). The robot keeps moving, "
-        "and the software knows the exposure time only from the frame.",
+        "Delay of a frame until it reaches the robot's software (steps). The robot keeps moving "
+        "during the delay, and the software knows the exposure time only from the frame.",
         minimum=0, maximum=MAXIMUM_DELAY, unit="steps",
         reason="a frame shows a step; put the fraction into motor_delay, since frames carry "
         "their exposure time", group="camera",
     )  # fmt: skip
     motor_delay: float = number(
         ROBOT, 0,
-        "Delay of an input until it reaches the motors (steps). With a fraction the robot gets in "
-        "each "
-        "step the mean of the two inputs that act in it; see the notes of `Scenario`.",
+        "Delay of an input until it reaches the motors (steps). With a fractional delay, two "
+        "inputs act in each step, and the robot gets their mean; see the notes of `Scenario`.",
         minimum=0, maximum=MAXIMUM_DELAY, unit="steps", group="robot",
     )  # fmt: skip
     background: Pixels | Floor | str | PathLike[str] | None = value(
@@ -291,7 +290,7 @@ class Options:
     )  # fmt: skip
     seed: Seed = value(
         WORLD, None,
-        "Seed of all random numbers of the run. None = unpredictable: another one in each run.",
+        "Seed of all random numbers of the run. None = unpredictable: each run has another seed.",
         kind="int, SeedSequence or Generator", normal=seed_value,
         types=(SeedRecord,), plain=True, group="world",
     )  # fmt: skip
@@ -311,8 +310,8 @@ class Options:
         ROBOT, None,
         "Width of the averaging window applied before a pixel's colour is classified (px of the "
         "frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. "
-        "1 = off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of "
-        "7 px, 3 in frames with noise and 1 in others.",
+        "1 = off. Default: 0.28 of the smaller marker's width, limited to 3..7. For a marker below "
+        "7 px, the default is 3 in frames with noise and 1 in others.",
         minimum=1, maximum=15, unit="px", normal=_check_smoothing, group="software",
     )  # fmt: skip
     identify_from: str = choice(

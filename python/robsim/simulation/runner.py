@@ -175,7 +175,7 @@ class Runner(Slotted):
 
     @abstractmethod
     def run(self, steps: int, *, progress: bool | str = False) -> Trace:
-        """Run some steps; a run continues where the last one ended."""
+        """Run some steps; a run continues where the previous run ended."""
 
     def _run(self, steps: int, progress: bool | str, total: int | None) -> bool:
         """Run some steps; return whether the world has come to its end."""

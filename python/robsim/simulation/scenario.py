@@ -23,13 +23,13 @@ from robsim.vision.robots.definition import RobotDefinition
 class Scenario(Options):
     """The complete description of a simulated world and its run: `Simulation`'s options as data.
 
-    A value: scenarios with the same content are equal, regardless of their origin. Names and files
-    are read at once, so that a scenario is complete.
+    A scenario is a value: scenarios with the same content are equal, regardless of their origin.
+    Names and files are read immediately, so that a scenario is complete.
 
     Parameters
     ----------
     robot : str, path or RobotDefinition, optional
-        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the robot chosen
         with ``robsim robots use``, initially ``"lab"``.
     area : tuple of int
         Width and height of the work area (px).
@@ -39,8 +39,8 @@ class Scenario(Options):
         ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
         view follows the robot.
     headings : int within 1..360 or None
-        Number of drawn headings of the robot: the nearest one, at integer pixels. None: drawn at
-        its exact position and heading.
+        Number of drawn headings of the robot: the nearest one, at integer pixels. None: the robot
+        is drawn at its exact position and heading.
     noise : UniformNoise or GaussianNoise, optional
         Camera noise.
     dropout : Dropout, optional
@@ -50,17 +50,17 @@ class Scenario(Options):
     mismatch : ParameterMismatch, optional
         Difference of the parameters of the world from those of `model`.
     camera_delay : int within 0..1000
-        Delay of a frame until it reaches the robot's software (steps). The robot keeps moving, and
-        the software knows the exposure time only from the frame.
+        Delay of a frame until it reaches the robot's software (steps). The robot keeps moving
+        during the delay, and the software knows the exposure time only from the frame.
     motor_delay : float within 0..1000
-        Delay of an input until it reaches the motors (steps). With a fraction the robot gets in
-        each step the mean of the two inputs that act in it; see the notes of `Scenario`.
+        Delay of an input until it reaches the motors (steps). With a fractional delay, two inputs
+        act in each step, and the robot gets their mean; see the notes of `Scenario`.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
         The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
     seed : int, SeedSequence or Generator, optional
-        Seed of all random numbers of the run. None = unpredictable: another one in each run.
+        Seed of all random numbers of the run. None = unpredictable: each run has another seed.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
     markers : MarkerLayout, RobotDefinition, str or path, optional
@@ -69,8 +69,8 @@ class Scenario(Options):
     smoothing : int within 1..15, optional
         Width of the averaging window applied before a pixel's colour is classified (px of the
         frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
-        off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of 7 px, 3 in
-        frames with noise and 1 in others.
+        off. Default: 0.28 of the smaller marker's width, limited to 3..7. For a marker below 7 px,
+        the default is 3 in frames with noise and 1 in others.
     identify_from : str
         Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
     model : RobotModel or RobotParameters, optional
@@ -97,11 +97,12 @@ class Scenario(Options):
     ``motor_delay = n + f`` has a whole part n and a fraction 0 <= f < 1. Two inputs then act from
     step k to step k + 1. Their mean is (1 - f) u(k - n) + f u(k - n - 1); inputs before step 0 are
     0. The mean is exact for a constant input, and for quantities that depend only on the mean
-    input. It neglects that an input in the second part of a step has less time to move the robot.
+    input. The mean neglects that an input in the second part of a step has less time to move the
+    robot.
 
-    The latency of a live loop, from the exposure of a frame until its input acts, is one delay.
-    Live frames are numbered and timed by their exposure, so the complete latency, camera, vision,
-    transmission, motors, is a `motor_delay`. `Trace.timing` measures it,
+    The latency of a live loop, from the exposure of a frame until its input acts, counts as a
+    single delay. Live frames are numbered and timed by their exposure, so the complete latency
+    (camera, vision, transmission, motors) is a `motor_delay`. `Trace.timing` measures it,
     `robsim.estimation.reference` compensates it, and `robsim.batch_estimate` accepts it as
     ``motor_delay``.
 
@@ -218,13 +219,13 @@ class Scenario(Options):
         Raises
         ------
         TypeError, ValueError
-            As for `Scenario`; for an unknown option, with the closest known name.
+            As for `Scenario`. For an unknown option, the message gives the closest known name.
         """
         check_names("a scenario has no option", changes, OPTIONS, TypeError)
         return dataclasses.replace(self, **changes)
 
     def changes(self) -> dict[str, Any]:
-        """Return the options with other values than their defaults, in their order.
+        """Return the options whose values differ from the defaults, in the order of the options.
 
         Returns
         -------
@@ -239,8 +240,9 @@ class Scenario(Options):
     def to_toml(self) -> str:
         """Return the scenario as the text of a TOML file, for `from_toml`.
 
-        The text has only the values that differ from the defaults, and the robot: by name if it
-        ships with robsim. It includes images and recorded inputs, so that it is complete.
+        The text has only the robot and the values that differ from the defaults. A robot that ships
+        with robsim is given by its name. It includes images and recorded inputs, so that it is
+        complete.
 
         Raises
         ------

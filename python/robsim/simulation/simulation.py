@@ -61,7 +61,7 @@ class Simulation(WorldSlots, Runner):
     scenario : Scenario, optional
         Values of the options not given here. Default: ``Scenario()``.
     robot : str, path or RobotDefinition, optional
-        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the one chosen
+        Name of a robot, a folder with a ``robot.toml``, or a definition. Default: the robot chosen
         with ``robsim robots use``, initially ``"lab"``.
     area : tuple of int
         Width and height of the work area (px).
@@ -71,8 +71,8 @@ class Simulation(WorldSlots, Runner):
         ``"bounce"``: the robot bounces off the walls. ``"unlimited"``: there are no walls, and the
         view follows the robot.
     headings : int within 1..360 or None
-        Number of drawn headings of the robot: the nearest one, at integer pixels. None: drawn at
-        its exact position and heading.
+        Number of drawn headings of the robot: the nearest one, at integer pixels. None: the robot
+        is drawn at its exact position and heading.
     noise : UniformNoise or GaussianNoise, optional
         Camera noise.
     dropout : Dropout, optional
@@ -82,17 +82,17 @@ class Simulation(WorldSlots, Runner):
     mismatch : ParameterMismatch, optional
         Difference of the parameters of the world from those of `model`.
     camera_delay : int within 0..1000
-        Delay of a frame until it reaches the robot's software (steps). The robot keeps moving, and
-        the software knows the exposure time only from the frame.
+        Delay of a frame until it reaches the robot's software (steps). The robot keeps moving
+        during the delay, and the software knows the exposure time only from the frame.
     motor_delay : float within 0..1000
-        Delay of an input until it reaches the motors (steps). With a fraction the robot gets in
-        each step the mean of the two inputs that act in it; see the notes of `Scenario`.
+        Delay of an input until it reaches the motors (steps). With a fractional delay, two inputs
+        act in each step, and the robot gets their mean; see the notes of `Scenario`.
     background : array (H, W, 3) of uint8, or path, optional
         The floor, scaled to the area. Default: the floor that ships with robsim.
     start : array (3,) or "random", optional
         The first pose: x, y (px), heading (rad). Default: the centre of the area, facing right.
     seed : int, SeedSequence or Generator, optional
-        Seed of all random numbers of the run. None = unpredictable: another one in each run.
+        Seed of all random numbers of the run. None = unpredictable: each run has another seed.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to detect. Default: red and blue as shipped with robsim.
     markers : MarkerLayout, RobotDefinition, str or path, optional
@@ -101,8 +101,8 @@ class Simulation(WorldSlots, Runner):
     smoothing : int within 1..15, optional
         Width of the averaging window applied before a pixel's colour is classified (px of the
         frame), against noise: 3, 5, ... 15, a quarter to three quarters of a marker's width. 1 =
-        off. Default: 0.28 of the width of the smaller marker, 3 to 7; below a marker of 7 px, 3 in
-        frames with noise and 1 in others.
+        off. Default: 0.28 of the smaller marker's width, limited to 3..7. For a marker below 7 px,
+        the default is 3 in frames with noise and 1 in others.
     identify_from : str
         Source of the poses in the samples: ``"truth"``, ``"measurement"`` or ``"estimate"``.
     model : RobotModel or RobotParameters, optional
@@ -384,7 +384,7 @@ class Simulation(WorldSlots, Runner):
 
     @property
     def true_model(self) -> RobotModel:
-        """The model that the robot of the world follows; the robot half believes in `model`."""
+        """The model of the simulated robot's motion; the robot's software believes in `model`."""
         self._start()
         model = self._world.model
         assert model is not None  # it has started
@@ -394,7 +394,7 @@ class Simulation(WorldSlots, Runner):
         return (self._world.model or RobotModel()).theta
 
     def run(self, steps: int, *, progress: bool | str = False) -> Trace:
-        """Run some steps; a run continues where the last one ended.
+        """Run some steps; a run continues where the previous run ended.
 
         Parameters
         ----------
@@ -411,12 +411,12 @@ class Simulation(WorldSlots, Runner):
         Raises
         ------
         Exception
-            Any exception of a callback, with a note that names the callback and the step, and the
-            attribute ``callback``, a `robsim.simulation.FailedCallback`. `trace` keeps the previous
-            steps. The next run repeats the failed stage in the same step, but not the stages ahead
-            of it.
+            Any exception raised by a callback. Its note names the callback and the step, and its
+            attribute ``callback`` is a `robsim.simulation.FailedCallback`. `trace` keeps the
+            previous steps. The next run repeats the failed stage in the same step, but not the
+            earlier stages.
         RuntimeError
-            If it is already running, or another run uses its estimator or controller.
+            If the simulation is already running, or another run uses its estimator or controller.
 
         Warns
         -----
@@ -431,9 +431,9 @@ class Simulation(WorldSlots, Runner):
         -----
         Meanwhile other threads can read `trace`, `n_steps` and `stage`, plot them, and `stop` the
         run. Attributes that the run changes, such as `last_step` and `estimator`, raise an error
-        then. A run with callbacks in Python takes turns with other busy threads, and waits up to 5
-        ms for each turn: ``sys.setswitchinterval(0.0005)`` makes that shorter. A run without such
-        callbacks never waits.
+        during the run. A run with callbacks in Python takes turns with other busy threads, and
+        waits up to 5 ms for each turn: ``sys.setswitchinterval(0.0005)`` shortens this wait. A run
+        without such callbacks never waits.
         """
         self._run(step_count(steps), progress, steps)
         return self.trace
@@ -458,7 +458,7 @@ class Simulation(WorldSlots, Runner):
         TypeError
             If `k` is not an int.
         IndexError
-            If the step does not exist, or its frame has not come yet.
+            If the step does not exist, or its frame has not arrived yet.
         RuntimeError
             While another thread runs the simulation.
         """

@@ -62,11 +62,11 @@ class CameraCounts:
 
 
 class Camera(Closing):
-    """A live camera, as an iterable of frames: each time the newest frame, never the same twice.
+    """A live camera as an iterable of its newest frames; no frame is returned twice.
 
     A native thread reads the camera all the time and keeps its newest frame, so that even a slow
-    reader gets a current frame. Frames that no reader takes in time are dropped and counted. A
-    file plays at its own rate in the same way; `Recording` returns all of its frames on request.
+    reader gets a current frame. Frames that no reader takes in time are dropped and counted. A file
+    also plays at its own rate, like a camera; use `Recording` to read every frame on demand.
 
     Parameters
     ----------
@@ -77,35 +77,37 @@ class Camera(Closing):
         name) for GigE Vision. ``"firewire://"`` is the first camera on FireWire,
         ``"firewire://1"`` the second one, and 16 digits name a specific camera.
     back_end : str, optional
-        The reader. For an address: ``"http"``, which reads MJPEG, detects torn images, and logs in
-        by ``http://user:password@host`` if the camera requires it; or ``"ffmpeg"`` or
-        ``"gstreamer"`` of OpenCV. For a number: ``"v4l2"``, ``"msmf"``, ``"dshow"``,
-        ``"avfoundation"`` or ``"gstreamer"``. Default: HTTP for ``http://``, FFmpeg for other
-        addresses, and for a number the operating system's back end.
+        The reader. The readers of an address are ``"http"``, and OpenCV's ``"ffmpeg"`` and
+        ``"gstreamer"``. ``"http"`` reads MJPEG, detects torn images, and logs in by
+        ``http://user:password@host`` if the camera requires it. The readers of a camera number are
+        ``"v4l2"``, ``"msmf"``, ``"dshow"``, ``"avfoundation"`` and ``"gstreamer"``. Default: HTTP
+        for ``http://``, FFmpeg for other addresses, and the operating system's back end for a
+        camera number.
     plane_map : PlaneMap, optional
-        Map from frame pixels to the work area. Default: the frames show exactly the whole area,
+        Map from frame pixels to the work area. By default, the frames show exactly the whole area,
         seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: the calibration's area, or the size of
-        the frames.
+        Width and height of the work area (px). Default: the area of the calibration if there is
+        one, otherwise the size of the frames.
     size : tuple of int, optional
         Width and height of the frames (px), requested from a camera by number, on FireWire or on
         GigE. Frames of another size are an error. Default: the calibration's or camera's size.
     region : tuple of int, optional
         Left, top, width and height of the transmitted part of the sensor (px): on FireWire, by
-        its format 7, and on GigE. Default: the whole sensor; on GigE the camera's setting.
+        its format 7, and on GigE. Default: the whole sensor, or on GigE the camera's current
+        setting.
     fps : float, optional
         Frames per second: requested from a camera by number, on FireWire or on GigE; the rate of
-        an address without its own rate; or the playback rate of a folder. Default: for a file its
-        rate, on FireWire 30 or the next lower rate of camera and bus, on GigE the camera's
-        rate. Otherwise `dt` is unknown. On FireWire and GigE a warning names a rate that
-        differs from the required one, and `dt` has it. A run warns of any camera that sends half
-        of it or less.
+        an address without its own rate; or the playback rate of a folder. Default: a file's own
+        rate, a GigE camera's current rate, or on FireWire 30 or the next lower rate that camera and
+        bus support. Otherwise `dt` is unknown. On FireWire and GigE a warning reports a rate that
+        differs from the requested rate, and `dt` follows the actual rate. A run warns if any camera
+        sends at most half of its rate.
     coding : str, optional
         The camera's pixel coding: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,
-        ``"yuv422"``, ``"mono8"``. Default: the first of these that it has at that rate. ``raw8``
-        comes from behind a Bayer filter.
+        ``"yuv422"``, ``"mono8"``. Default: the first of these codings that the camera supports at
+        its frame rate. ``raw8`` comes from behind a Bayer filter.
     features : CameraFeatures, optional
         Exposure, gain, white balance and similar, on FireWire and on GigE. Default: the camera's
         current values, without automatic control.
@@ -150,19 +152,20 @@ class Camera(Closing):
     FileNotFoundError
         If the file or folder does not exist.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range. Also if a file is not a video, or
-        `fps` is missing for a folder.
+        If an argument has the wrong type or is out of range, a file is not a video, or `fps` is
+        missing.
 
     Notes
     -----
-    The times of the frames (s) start at the first one: ``t`` is the exposure time, if known, and
-    ``t_arrival`` the arrival time. A camera belongs to the process that opened it. A separate
-    process reads network cameras and cameras by number, and ends with the camera: so frames stay
-    fresh even while a callback keeps the interpreter. On Windows, this process reads them.
+    The times of the frames (s) start at the first frame: ``t`` is the exposure time, if known, and
+    ``t_arrival`` is the arrival time. A camera belongs to the process that opened it. A separate
+    process reads network cameras and cameras by number, so frames stay current even while a
+    callback blocks the interpreter. The process ends when the camera is closed. On Windows, this
+    process reads them.
 
-    RTSP frames carry stamps. A frame with 0.1 s more delay than the freshest of the last 10 s is
-    old: it is dropped and counted. The camera's encoder may delay all frames by the same time,
-    which the stamps do not show.
+    RTSP frames carry stamps. A frame is dropped and counted if its delay exceeds the smallest delay
+    of the last 10 s by 0.1 s. The camera's encoder may delay all frames by the same time, which the
+    stamps do not show.
 
     Examples
     --------
@@ -313,7 +316,8 @@ class Camera(Closing):
     def features(self) -> CameraFeatures | None:
         """CameraFeatures or None: the current settings; None if the camera has no features.
 
-        Assign to change the features; None keeps a value. This also works during reading.
+        Assign new settings to change the features; a value of None keeps the current setting. This
+        also works during reading.
         """
         states = getattr(self._device, "features", None)
         return None if states is None else CameraFeatures._of(states)

@@ -25,13 +25,13 @@ _A1, _A2, _B1, _B2, _D1 = range(5)
 
 @dataclass(frozen=True)
 class PoseNoise:
-    """Process noise added to the true pose in every step, Gaussian, independent of the other steps.
+    """Gaussian process noise, added to the true pose in every step, independent of other steps.
 
     Parameters
     ----------
     covariance : array (3, 3)
         Covariance of x, y, heading in a step (px^2, px rad, rad^2), symmetric and positive
-        semi-definite. It is stored as nested tuples; `Q` is the array.
+        semi-definite. The covariance is stored as nested tuples; `Q` returns it as an array.
 
     Raises
     ------
@@ -226,11 +226,11 @@ class ParameterMismatch:
 
     Notes
     -----
-    Four numbers n are drawn, Gaussian with standard deviation 1, and drawn again until they lie
-    within +-3. They apply to the gains alpha of the two motors, the friction Fv of the position and
-    the friction Fw of the heading. Each value is multiplied by 1 + sigma n; mass, geometry and the
-    torques at 0 V stay. In the model's parameters, with rho = F T/m (of the heading: Fw T/I) from
-    a1 - 1 = 1/(1 + rho), per axis::
+    Four numbers n are drawn from a standard normal distribution, and drawn again until they lie
+    within +-3. The numbers apply to the gains alpha of the two motors, the friction Fv of the
+    position and the friction Fw of the heading. Each value is multiplied by 1 + sigma n; mass,
+    geometry and the torques at 0 V stay unchanged. In the model's parameters, with rho = F T/m (of
+    the heading: Fw T/I) from a1 - 1 = 1/(1 + rho), per axis::
 
         rho' = (1 + sigma n) rho;
         a1' = a1 + delta,  a2' = a2 - delta,  delta = 1/(1 + rho') - 1/(1 + rho)
@@ -254,7 +254,7 @@ class ParameterMismatch:
         object.__setattr__(self, "sigma", sigma)
 
     def draw(self, model: RobotModel, rng: np.random.Generator) -> RobotModel:
-        """Return the model of a world that differs randomly from a model.
+        """Return the model of a world, which differs randomly from the given model.
 
         Parameters
         ----------
@@ -271,9 +271,9 @@ class ParameterMismatch:
         Raises
         ------
         TypeError
-            If an argument has another type.
+            If an argument has the wrong type.
         ValueError
-            If an a1 is not above 1, because friction then has no meaning.
+            If a parameter a1 is not above 1, because friction then has no meaning.
         """
         theta = np.array(_theta_of(model))
         if not isinstance(rng, np.random.Generator):

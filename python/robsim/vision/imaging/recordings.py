@@ -32,7 +32,7 @@ _BORDER = 32  # points of each side of a frame that a lens bends
 
 
 class Recording:
-    """A video file or a folder of images, as an iterable of frames; each iteration restarts.
+    """A video file or a folder of images as an iterable of frames; each iteration starts again.
 
     Iteration is in lock step: each frame is read on demand, and no frame is lost.
     ``robsim.Camera(file)`` plays it at its own rate, and drops frames not taken in time.
@@ -43,14 +43,14 @@ class Recording:
         A video file, or a folder of images in any format that Pillow reads, in natural order of
         their names (frame2 before frame10). Other files in the folder are ignored.
     plane_map : PlaneMap, optional
-        Map from frame pixels to the work area. Default: the frames show exactly the whole area,
+        Map from frame pixels to the work area. By default, the frames show exactly the whole area,
         seen vertically from above.
     area : tuple of int, optional
-        Width and height of the work area (px). Default: the calibration's, or the extent of the
-        frames; without a plane map, the size of the frames.
+        Width and height of the work area (px). Default: the area of the calibration, or the part of
+        the plane in the frames. Without a plane map, the default is the size of the frames.
     dt : float, optional
-        Time between two frames (s), instead of the times of a video. Default: these times; images
-        in a folder have no times.
+        Time between two frames (s), instead of the times of a video. Default: the times of the
+        video; images in a folder have no times.
     calibration : Calibration or path, optional
         The camera's calibration, instead of `plane_map`. Frames of another size are refused.
     headings : int, optional
@@ -67,9 +67,9 @@ class Recording:
     area : tuple of int
         Width and height of the work area (px).
     dt : float or None
-        Time between two frames (s), longer by whole intervals where frames were lost. None = not
-        constant, or unknown: images in a folder have no times, and an `Experiment` uses the dt of
-        its model.
+        Time between two frames (s), longer by whole intervals where frames were lost. None if the
+        time is not constant or not known: images in a folder have no times, and an `Experiment`
+        uses the dt of its model.
     size : tuple of int
         Width and height of the frames (px).
     count : int
@@ -84,7 +84,7 @@ class Recording:
     FileNotFoundError
         If the file or folder does not exist.
     ImportError
-        If it is a video, and PyAV is not installed.
+        If the file is a video, and PyAV is not installed.
     TypeError, ValueError
         If an argument has the wrong type, or `dt` or `area` is not positive. If a folder has no
         images, no frame can be read, or the frame rate is implausible.
@@ -97,10 +97,11 @@ class Recording:
 
     Notes
     -----
-    A video has the times of its file, from the first frame on. A frame that depends on a damaged
-    frame may show remains of it. For an interlaced video, a frame shows the field exposed first, at
-    its time; yadif interpolates the other rows, at a cost of 0.1 px and 0.3 degrees of a pose.
-    Frames keep the sensor's order, also where viewers rotate a video or photo.
+    The times of a video come from its file, and start at the first frame. A frame that depends on a
+    damaged frame may show traces of the damage. A frame of an interlaced video shows the field that
+    was exposed first, and has this field's time. The filter yadif interpolates the other rows,
+    which costs a pose 0.1 px and 0.3 degrees. Frames keep the sensor's order, also where viewers
+    rotate a video or photo.
 
     Examples
     --------

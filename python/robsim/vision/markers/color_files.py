@@ -155,7 +155,7 @@ def save_colors(
     Raises
     ------
     TypeError
-        If an argument has another type.
+        If an argument has the wrong type.
     ValueError
         If the existing file is not a colour file (it is left unchanged), if `colors` is empty, or
         if two colours have the same name.
