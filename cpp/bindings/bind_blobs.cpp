@@ -140,17 +140,18 @@ image : Frame or array (H, W, 3) of uint8
 colors : list of ColorClass
     The colours to find; a pixel may belong to several.
 markers : MarkerLayout, optional
-    The markers to find: the other options default to values that find them, also in noise. Its
-    lengths are in px of an array, or converted by the plane map of a Frame.
+    The markers to find: the other options then default to values that find these markers, also in
+    noise. The layout's lengths are in px of an array, or converted by the plane map of a Frame.
 minimum_area : int, optional
-    Smaller blobs are dropped (px). Default: 12, or 1/8 of the area of the smaller marker.
+    Smaller blobs are dropped (px). Default: 12, or with `markers` 1/8 of the smaller marker's area.
 maximum_count : int, optional
-    Maximum number of blobs of a colour, the largest first. Default: 64, or the
-    `maximum_blobs` of the markers.
+    Maximum number of blobs of a colour, the largest first. Default: 64, or with `markers` their
+    `maximum_blobs`.
 smoothing : int, optional
     Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
-    and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, 3
-    to 7; below a marker of 7 px, 3 in images with noise and 1 in others.
+    and 3/4 of a marker's width; 1 = off. Default: 1, or with `markers` 0.28 of the smaller marker's
+    width, limited to 3..7. For a marker below 7 px, this default is 3 in images with noise and 1 in
+    others.
 region : tuple of int, optional
     (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
     pixels are searched, as if the image ended there. Positions refer to the whole image.

@@ -155,9 +155,9 @@ void bind_detection(py::module_& module) {
   Class<Detection> detection(public_in(module, "robsim.vision"), "Detection", R"(
 The result of `detect`: the pair of blobs that fits the markers best, its misfit, and its pose.
 
-The misfit is the sum of three squared deviations: of the distance, as a fraction of
-``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of the
-logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+The misfit is the sum of three squared deviations. The deviation of the distance is a fraction of
+the markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are fractions
+of the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
 
 Examples
 --------
@@ -188,8 +188,8 @@ Examples
           "str or None: reason for a missing measurement: ``\"no blobs\"``, ``\"no red "
           "blob\"``,\n``\"no blue blob\"`` or other colours' names, ``\"at the border\"``, "
           "``\"distance\"``,\n``\"areas\"``, ``\"ambiguous\"``, ``\"by chance\"``, ``\"noise\"`` "
-          "or ``\"shape\"``. If the frame\nshows the cause: ``\"dark\"``, ``\"overexposed\"`` or "
-          "``\"small markers\"``.")
+          "or ``\"shape\"``. If the frame shows the cause, the reason is ``\"dark\"``, "
+          "``\"overexposed\"`` or\n``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
                              "str: a sentence on the result, with the decisive numbers.")
       .def("__repr__", &repr);
@@ -203,10 +203,10 @@ Examples
           Field("second", &Detection::second),
           Field("misfit", &Detection::misfit,
                 "float: misfit of the pair, from 0 = perfect; inf without a pair. The misfit of "
-                "the fit is in\nthe measurement."),
+                "the fit to\nthe edges is in the measurement."),
           Field("runner_up", &Detection::runner_up,
-                "float: misfit of the second best accepted pair; inf without one. Near the misfit, "
-                "the choice\nis ambiguous."),
+                "float: misfit of the second best accepted pair; inf without one. If the value is "
+                "close to\nthe misfit, the choice is ambiguous."),
           Field("exchanged", &Detection::exchanged), Field("distance", &Detection::distance),
           Field("first_area", &Detection::first_area),
           Field("second_area", &Detection::second_area),
@@ -217,9 +217,9 @@ Examples
           Field("by_second_chance", &Detection::by_second_chance,
                 "bool: the pair was found only with colours relative to brightness. The limits of "
                 "a colour\nthen hold for U - 128 and V - 128 as fractions of the largest of R, G "
-                "and B. 26 levels mean\na saturation of 29 %. Under coloured light, the floor "
-                "counts as grey. Dim light, its\ngradients and faded markers change the levels, "
-                "but not the fractions."),
+                "and B. 26 levels mean a saturation of 29 %. Under coloured light, the floor is "
+                "taken as\ngrey. Dim light, its gradients and faded markers change the levels, but "
+                "not the fractions."),
           Field("markers", &Detection::markers)));
 
   Class<MissedDetections> missed(public_in(module, "robsim.vision"), "MissedDetections", R"(
@@ -287,10 +287,10 @@ void bind_functions(py::module_& module) {
            "image"_a = py::none(), "colors"_a = py::none(), R"(
 Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
 
-The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
-border of the frame are not used: they may be cut off. Noise or other things may give many blobs
-like the markers. A pair is then accepted only if hardly any pair of the others would fit as well by
-chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
+The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
+the border of the frame are not used, because they may be cut off. Noise or other things may give
+many blobs like the markers. A pair is then accepted only if hardly any pair of the others would fit
+as well by chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
 
 Parameters
 ----------
@@ -351,11 +351,11 @@ Examples
            "image"_a = py::none(), "colors"_a = py::none(), R"(
 Return the pose of the robot whose markers are among the blobs.
 
-The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
-border of the frame are not used: they may be cut off. With the image, the pose is then fitted to
-the pixels around the edges of the markers, by weighted least squares [1]_. In noise the error is
-half to two thirds of the centroids' error, without noise a fifth. For markers with unknown
-outlines, pixels at the edge are weighted by their colour.
+The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
+the border of the frame are not used, because they may be cut off. With the image, the pose is then
+fitted to the pixels around the edges of the markers, by weighted least squares [1]_. The error is
+then half to two thirds of the centroids' error with noise, and a fifth without noise. For markers
+with unknown outlines, pixels at the edge are weighted by their colour.
 
 Parameters
 ----------
@@ -367,9 +367,9 @@ plane_map : PlaneMap, optional
     Map from pixels of the blobs' frame to the work area. Default: the map of `image`, if it is a
     Frame; otherwise the identity.
 image : Frame or array (H, W, 3) of uint8, optional
-    The image of the blobs. Default: the pose comes from the blobs' centroids. Give the Frame,
-    ``step.frame``, not its pixels: an array has no plane map, and no number of drawn headings, so
-    that the covariance would omit their rounding.
+    The image of the blobs. By default, the pose comes from the blobs' centroids. Pass the Frame,
+    ``step.frame``, not its pixels. An array has no plane map and no number of drawn headings, so
+    the covariance would omit the rounding of the headings.
 colors : list of ColorClass, optional
     The colours used to find the blobs: a frame without a pair then gets a second chance, as in
     `detect`.
@@ -377,9 +377,9 @@ colors : list of ColorClass, optional
 Returns
 -------
 Measurement or None
-    The pose; with the image, also its covariance, misfit and signal-to-noise figure. None = not
-    detected: no pair fits, or two fit equally well, or the markers do not stand out of the noise.
-    `robsim.vision.detect` gives the reason.
+    The pose; with the image, also its covariance, misfit and signal-to-noise ratio. None = not
+    detected: no pair fits, two pairs fit equally well, or the markers are not distinct from the
+    noise. `robsim.vision.detect` gives the reason.
 
 References
 ----------

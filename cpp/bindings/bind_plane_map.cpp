@@ -113,7 +113,7 @@ distortion : array (5,), optional
 Raises
 ------
 TypeError, ValueError
-    If the shapes are wrong, a number is not finite, or a focal length not above 0.
+    If the shapes are wrong, a number is not finite, or a focal length is not above 0.
 
 Notes
 -----
@@ -123,10 +123,10 @@ real lens shows it at ::
     x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
     y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
 
-as long as this grows with r. Farther out the lens would fold the picture over, and both directions
-give NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8),
-1971;
-``cv2.calibrateCamera`` gives the coefficients in the same order.
+as long as this grows with r. Beyond this limit the lens would fold the picture over, and both
+directions of the conversion give NaN. Source: D. C. Brown, Close-range camera calibration,
+Photogrammetric Engineering 37(8), 1971; ``cv2.calibrateCamera`` gives the coefficients in the same
+order.
 
 Examples
 --------

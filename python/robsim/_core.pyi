@@ -22,7 +22,7 @@ class Intrinsics:
     Raises
     ------
     TypeError, ValueError
-        If the shapes are wrong, a number is not finite, or a focal length not above 0.
+        If the shapes are wrong, a number is not finite, or a focal length is not above 0.
     
     Notes
     -----
@@ -32,10 +32,10 @@ class Intrinsics:
         x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
         y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y
     
-    as long as this grows with r. Farther out the lens would fold the picture over, and both directions
-    give NaN. Source: D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8),
-    1971;
-    ``cv2.calibrateCamera`` gives the coefficients in the same order.
+    as long as this grows with r. Beyond this limit the lens would fold the picture over, and both
+    directions of the conversion give NaN. Source: D. C. Brown, Close-range camera calibration,
+    Photogrammetric Engineering 37(8), 1971; ``cv2.calibrateCamera`` gives the coefficients in the same
+    order.
     
     Examples
     --------
@@ -1177,9 +1177,9 @@ class Detection:
     """
     The result of `detect`: the pair of blobs that fits the markers best, its misfit, and its pose.
     
-    The misfit is the sum of three squared deviations: of the distance, as a fraction of
-    ``distance_tolerance`` of the markers, and of the logarithm of each area, as a fraction of the
-    logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+    The misfit is the sum of three squared deviations. The deviation of the distance is a fraction of
+    the markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are fractions
+    of the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
     
     Examples
     --------
@@ -1206,7 +1206,7 @@ class Detection:
         """
         bool: the pair was found only with colours relative to brightness. The limits of a colour
         then hold for U - 128 and V - 128 as fractions of the largest of R, G and B. 26 levels mean
-        a saturation of 29 %. Under coloured light, the floor counts as grey. Dim light, its
+        a saturation of 29 %. Under coloured light, the floor is taken as grey. Dim light, its
         gradients and faded markers change the levels, but not the fractions.
         """
     @property
@@ -1233,8 +1233,8 @@ class Detection:
     @property
     def misfit(self) -> float:
         """
-        float: misfit of the pair, from 0 = perfect; inf without a pair. The misfit of the fit is in
-        the measurement.
+        float: misfit of the pair, from 0 = perfect; inf without a pair. The misfit of the fit to
+        the edges is in the measurement.
         """
     @property
     def reason(self) -> str | None:
@@ -1242,13 +1242,13 @@ class Detection:
         str or None: reason for a missing measurement: ``"no blobs"``, ``"no red blob"``,
         ``"no blue blob"`` or other colours' names, ``"at the border"``, ``"distance"``,
         ``"areas"``, ``"ambiguous"``, ``"by chance"``, ``"noise"`` or ``"shape"``. If the frame
-        shows the cause: ``"dark"``, ``"overexposed"`` or ``"small markers"``.
+        shows the cause, the reason is ``"dark"``, ``"overexposed"`` or ``"small markers"``.
         """
     @property
     def runner_up(self) -> float:
         """
-        float: misfit of the second best accepted pair; inf without one. Near the misfit, the choice
-        is ambiguous.
+        float: misfit of the second best accepted pair; inf without one. If the value is close to
+        the misfit, the choice is ambiguous.
         """
     @property
     def seen(self) -> dict[str, Blob] | None:
@@ -2388,7 +2388,7 @@ class ExternalWorld(World):
         ...
 class Unicycle:
     """
-    The robot on wheels that do not slip sideways: a ready `evaluate_model`, as fast as the loop.
+    The robot on wheels that do not slip sideways: a ready `evaluate_model` in native code.
     
     It has the constants of the `RobotModel`, and moves like it along a straight line and in its
     heading; in a curve it drives along its heading. It can be called like a callback:
@@ -2429,7 +2429,7 @@ class Unicycle:
         ...
 class Controller:
     """
-    A ready controller, as fast as the loop. It can be called like a callback: ``u = spin(step)``.
+    A ready controller in native code. It can be called like a callback: ``u = spin(step)``.
     
     Examples
     --------
@@ -2870,10 +2870,10 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
     
-    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
-    border of the frame are not used: they may be cut off. Noise or other things may give many blobs
-    like the markers. A pair is then accepted only if hardly any pair of the others would fit as well by
-    chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
+    The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
+    the border of the frame are not used, because they may be cut off. Noise or other things may give
+    many blobs like the markers. A pair is then accepted only if hardly any pair of the others would fit
+    as well by chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
     
     Parameters
     ----------
@@ -2939,17 +2939,18 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
     colors : list of ColorClass
         The colours to find; a pixel may belong to several.
     markers : MarkerLayout, optional
-        The markers to find: the other options default to values that find them, also in noise. Its
-        lengths are in px of an array, or converted by the plane map of a Frame.
+        The markers to find: the other options then default to values that find these markers, also in
+        noise. The layout's lengths are in px of an array, or converted by the plane map of a Frame.
     minimum_area : int, optional
-        Smaller blobs are dropped (px). Default: 12, or 1/8 of the area of the smaller marker.
+        Smaller blobs are dropped (px). Default: 12, or with `markers` 1/8 of the smaller marker's area.
     maximum_count : int, optional
-        Maximum number of blobs of a colour, the largest first. Default: 64, or the
-        `maximum_blobs` of the markers.
+        Maximum number of blobs of a colour, the largest first. Default: 64, or with `markers` their
+        `maximum_blobs`.
     smoothing : int, optional
         Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
-        and 3/4 of a marker's width; 1 = off. Default: 1, or 0.28 of the width of the smaller marker, 3
-        to 7; below a marker of 7 px, 3 in images with noise and 1 in others.
+        and 3/4 of a marker's width; 1 = off. Default: 1, or with `markers` 0.28 of the smaller marker's
+        width, limited to 3..7. For a marker below 7 px, this default is 3 in images with noise and 1 in
+        others.
     region : tuple of int, optional
         (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
         pixels are searched, as if the image ended there. Positions refer to the whole image.
@@ -3031,11 +3032,11 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Return the pose of the robot whose markers are among the blobs.
     
-    The pair, a blob of each of the two colours, is chosen by its distance and areas. Blobs at the
-    border of the frame are not used: they may be cut off. With the image, the pose is then fitted to
-    the pixels around the edges of the markers, by weighted least squares [1]_. In noise the error is
-    half to two thirds of the centroids' error, without noise a fifth. For markers with unknown
-    outlines, pixels at the edge are weighted by their colour.
+    The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
+    the border of the frame are not used, because they may be cut off. With the image, the pose is then
+    fitted to the pixels around the edges of the markers, by weighted least squares [1]_. The error is
+    then half to two thirds of the centroids' error with noise, and a fifth without noise. For markers
+    with unknown outlines, pixels at the edge are weighted by their colour.
     
     Parameters
     ----------
@@ -3047,9 +3048,9 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
         Map from pixels of the blobs' frame to the work area. Default: the map of `image`, if it is a
         Frame; otherwise the identity.
     image : Frame or array (H, W, 3) of uint8, optional
-        The image of the blobs. Default: the pose comes from the blobs' centroids. Give the Frame,
-        ``step.frame``, not its pixels: an array has no plane map, and no number of drawn headings, so
-        that the covariance would omit their rounding.
+        The image of the blobs. By default, the pose comes from the blobs' centroids. Pass the Frame,
+        ``step.frame``, not its pixels. An array has no plane map and no number of drawn headings, so
+        the covariance would omit the rounding of the headings.
     colors : list of ColorClass, optional
         The colours used to find the blobs: a frame without a pair then gets a second chance, as in
         `detect`.
@@ -3057,9 +3058,9 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Returns
     -------
     Measurement or None
-        The pose; with the image, also its covariance, misfit and signal-to-noise figure. None = not
-        detected: no pair fits, or two fit equally well, or the markers do not stand out of the noise.
-        `robsim.vision.detect` gives the reason.
+        The pose; with the image, also its covariance, misfit and signal-to-noise ratio. None = not
+        detected: no pair fits, two pairs fit equally well, or the markers are not distinct from the
+        noise. `robsim.vision.detect` gives the reason.
     
     References
     ----------

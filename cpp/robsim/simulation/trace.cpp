@@ -161,54 +161,55 @@ TraceGroup zero_where_missing(TraceGroup group) {
 
 std::vector<TraceGroup> make_schema() {
   return {
-      group("t", {}, {{"t", "s"}}, "Time (N,) (s): that of the frames, if they have one."),
+      group("t", {}, {{"t", "s"}}, "Time (N,) (s): the time of the frames, if they have one."),
       simulated(group("pose_true", {3}, poses("true"),
                       "True pose (N, 3): x, y (work-area px), heading (rad).")),
       simulated(group("u", {2}, {{"u1", "V"}, {"u2", "V"}},
-                      "Input that was given at the step (N, 2): left and right voltage (V).")),
+                      "Input of the step (N, 2): left and right voltage (V).")),
       simulated(flag("bounced", "The robot met a wall in this step (N,).")),
       recorded(group("pose_measured", {3}, poses("measured"),
                      "Measured pose (N, 3), NaN where the robot was not seen.")),
       group("pose_held", {3}, poses("held"),
-            "Last measured pose (N, 3), NaN before the first, and while nothing measures."),
+            "Last measured pose (N, 3), NaN before the first measured pose and without a "
+            "measurement."),
       group("pose_estimated", {3}, poses("estimated"),
             "Estimated pose (N, 3), NaN without a state estimator."),
       group("covariance_measured", {3, 3}, covariances("cov_measured_"),
             "Covariance of the measured pose (N, 3, 3), NaN where it is not known."),
       group("misfit", {}, {{"misfit", ""}},
-            "Misfit of the measurement (N,): factor on its variance, 1 = what the fit leaves is "
-            "noise."),
+            "Misfit of the measurement (N,): factor on its variance, 1 = the residuals of the fit "
+            "are only noise."),
       group("signal_to_noise", {}, {{"signal_to_noise", ""}},
-            "Signal-to-noise figure of the markers' edges (N,): from 4 on a pose can be trusted."),
+            "Signal-to-noise ratio of the markers' edges (N,): a pose is reliable from 4 on."),
       zero_where_missing(group("missed", {}, {{"missed", ""}},
-                               "Why the default measurement did not see the robot (N,): number of "
-                               "the reason, in words `missed_reasons`; 0 = it was seen, or not "
-                               "looked for.")),
+                               "Number of the reason why the default measurement did not detect "
+                               "the robot (N,), as text in `missed_reasons`; 0 = detected, or no "
+                               "measurement.")),
       group("covariance", {3, 3}, covariances("cov_"),
             "Covariance of the estimated pose (N, 3, 3)."),
       group("parameters", {3, 5}, model_parameters(),
             "Online estimate of the model's parameters (N, 3, 5), NaN without an estimator."),
       group("standard_errors_unscaled", {3, 5}, standard_errors_unscaled(),
-            "Standard errors of the parameters (N, 3, 5), for equation noise of standard "
-            "deviation 1 px, 1 px and 1 rad; NaN if the estimator gives none."),
+            "Standard errors of the parameters (N, 3, 5), for equation noise of standard deviation "
+            "1 px, 1 px and 1 rad; NaN if the estimator gives no standard errors."),
       zero_where_missing(group("view", {2}, {{"x_view", "px"}, {"y_view", "px"}},
-                               "Place of the camera's view (N, 2): 0 unless the area is "
+                               "Position of the camera's view (N, 2): 0 unless the area is "
                                "unlimited (work-area px).")),
       zero_where_missing(group("noise", {2}, {{"noise_gaussian", "%"}, {"noise_uniform", "%"}},
                                "Noise of the camera (N, 2): Gaussian and uniform (%).")),
       group("last_u", {2}, {{"last_u1", "V"}, {"last_u2", "V"}},
-            "Input that the robot got since the step before (N, 2), if the source of the frames "
-            "knew better than the controller (V); otherwise NaN."),
+            "Input that the robot received since the previous step (N, 2), if the source of the "
+            "frames reports it (V); otherwise NaN."),
       flag("hidden", "The robot was hidden from the camera in this step (N,)."),
       flag("interrupted",
-           "The robot was stopped after the step before: this one does not follow from its input "
-           "(N,)."),
+           "The robot was stopped after the previous step: the pose does not follow from the "
+           "previous input (N,)."),
       flag("unanswered",
-           "The robot answered before, and had not for a second when the input went out (N,)."),
+           "The robot had stopped answering for a second when the input was sent (N,)."),
       group("t_arrival", {}, {{"t_arrival", "s"}},
-            "When the frame reached this computer (N,), by the clock of `t` (s)."),
+            "Time at which the frame reached this computer (N,), by the clock of `t` (s)."),
       group("t_sent", {}, {{"t_sent", "s"}},
-            "When the input went out (N,), by the clock of `t` (s)."),
+            "Time at which the input was sent (N,), by the clock of `t` (s)."),
   };
 }
 

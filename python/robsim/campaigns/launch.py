@@ -40,7 +40,7 @@ def campaign(
     progress: bool = True,
     on_error: str = "record",
 ) -> CampaignResult:
-    """Run a simulation many times, over seeds and options, and compare.
+    """Run a simulation many times with different seeds and options, and compare the results.
 
     Parameters
     ----------
@@ -52,23 +52,23 @@ def campaign(
     metrics : names or functions of the trace
         Numbers to compute from each run, one or several: names, functions, or a mapping of name to
         either. A function returns a number, a dict of numbers, or a `Report`, which gives its
-        numbers. Names: ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and ``"nees"``
-        (of the estimated pose; angles in rad), ``"parameters"`` (the last online estimate),
-        ``"batch"``. Scores require arguments, such as ``functools.partial(robsim.score_path,
-        waypoints=square)``, or `robsim.control.score_pose`.
+        numbers. The names are ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and
+        ``"nees"`` (of the estimated pose; angles in rad), ``"parameters"`` (the last online
+        estimate), ``"batch"``. A score function requires further arguments:
+        ``functools.partial(robsim.score_path, waypoints=square)``, for example.
     runs : int
         Number of runs of each case.
     steps : int
         Number of steps of each run.
     seed : int, SeedSequence or Generator, optional
         Source of the runs' seeds. Run i has the same seed in every case, for any number of runs:
-        ``SeedSequence(seed, spawn_key=(i,))``. Default: the scenario's seed, else the store's, else
-        an unpredictable one.
+        ``SeedSequence(seed, spawn_key=(i,))``. Default: the scenario's seed, else the store's seed,
+        else an unpredictable seed.
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
         The engine: a number of processes, as many threads as processors, an executor, or a Dask
-        ``Client``. An executor is used unchanged, such as loky's or mpi4py's. A client may have any
-        cluster whose workers have robsim and the modules of your code. Default: this thread. The
-        numbers are the same.
+        ``Client``. An executor, such as loky's or mpi4py's, is used unchanged. A client may use any
+        cluster on which robsim and the modules of your code are installed. Default: this thread.
+        The numbers are the same.
     store : path, optional
         SQLite file that keeps the rows. Existing rows are not run again: the same call continues an
         interrupted campaign, and a call with more `runs` adds rows. Default: in memory.
@@ -89,13 +89,14 @@ def campaign(
     Returns
     -------
     CampaignResult
-        A row for each run in the order cases x runs, `summary`, `trace`, `to_pandas`.
+        A row for each run in the order cases x runs, with the methods `summary`, `trace` and
+        `to_pandas`.
 
     Raises
     ------
     TypeError, ValueError
         If an argument has the wrong type or is out of range, or if code cannot be sent to other
-        processes. If the store has another campaign, or is damaged.
+        processes. If the store belongs to another campaign, or is damaged.
     OSError
         If the store cannot be read or written; previously committed rows are intact.
 
@@ -107,17 +108,17 @@ def campaign(
     - a class, or a function without arguments, that makes the callback of a run: for callbacks with
       memory, such as a filter; ``functools.partial(MyFilter, q=2)`` adds arguments;
     - a plain function that is the callback, such as ``control(step)``, without memory;
-    - the path of a folder whose file for the slot is used, loaded again for each run. The option
-      ``"folder"`` has folders that fill all slots with a file.
+    - the path of a folder whose file for the slot is used, loaded again for each run. The values of
+      the option ``"folder"`` are callback folders: each file fills its slot.
 
-    For other processes code must have a name in a module: neither a lambda nor a nested function. A
-    program in a file must call this below ``if __name__ == "__main__":``. With threads, runs
-    without callbacks in Python run in parallel, others take turns.
+    Other processes require code with a name in a module, not a lambda or a nested function. A
+    script must call `campaign` below ``if __name__ == "__main__":``. With threads, runs without
+    Python callbacks run in parallel, and other runs take turns.
 
     A dead process is replaced, and its runs are repeated; a run that ends its process at each
     attempt is recorded as failed. The same holds for a Dask client, whose nannies restart the
-    workers. Any other executor stays broken; the same call with a new one continues. In
-    separate processes, and here, `time_limit` ends a sleeping callback, but not a callback stuck in
+    workers. Any other executor stays broken; the same call with a new one continues. In this thread
+    and in separate processes, `time_limit` ends a sleeping callback, but not a callback stuck in
     compiled code.
 
     A store is for one campaign: other steps, seeds, options, metrics or code are refused. Code is

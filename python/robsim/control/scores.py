@@ -128,7 +128,7 @@ def score_path(trace: Trace, waypoints: ArrayLike, *, waypoint_radius: float = 2
         error(k) = distance of (x(k), y(k)) from the nearest point of p(j) -> p(j+1)
 
     The other segments do not count, so a short cut to a later segment is an error. There is one
-    exception, since a waypoint counts as reached before the robot is there. While the robot is
+    exception, since a waypoint counts as reached before the robot arrives. While the robot is
     within `waypoint_radius` of p(j), the segment p(j-1) -> p(j) counts, too; and so on backwards if
     waypoints lie close together.
 

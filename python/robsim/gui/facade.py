@@ -52,12 +52,12 @@ def panel(
     ----------
     what : Simulation, Experiment, Recording, Trace or Session
         The run to show. The panel owns a simulation or an experiment until the panel is closed:
-        pause before you look at its frames or change it. The panel ends a call of a callback
-        after 30 s, unless the run has a `time_limit`. A recording is measured frame by frame; a
-        trace or a session is played back.
+        pause before you look at its frames or change it. The panel stops a callback after 30 s,
+        unless the run has a `time_limit`. In a recording, the panel measures the pose frame by
+        frame; a trace or a session is played back.
     speed : float, optional
         Multiple of real time, above 0; ``float("inf")`` = as fast as possible. A live camera sets
-        its own speed. Default: 5, or the current speed of an open panel.
+        its own speed. Default: the current speed if `what` has an open panel, otherwise 5.
     goals : array_like (2,), (3,) or (N, 2), optional
         The robot's goal, drawn in the picture of a new panel: a position, a pose, or the waypoints
         of a path (work-area px). Default: `goals` of the task.
@@ -68,14 +68,14 @@ def panel(
     Returns
     -------
     Panel
-        The panel. If `what` has an open panel, the same one.
+        The panel. If `what` has an open panel, this panel is returned.
 
     Raises
     ------
     TypeError, ValueError
         If an argument has the wrong type, or is out of range; the message names it.
     RuntimeError
-        If `what` is already running, such as in another thread.
+        If `what` is already running, for example in another thread.
 
     Notes
     -----

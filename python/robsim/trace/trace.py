@@ -59,8 +59,9 @@ def longest_run(mask: Bools) -> slice:
 class Trace:
     """A recorded run of N steps, read-only.
 
-    Every column is a property with a row for each step; `names` and `units` list the single ones.
-    Traces are equal if their columns and their `info` are: the same seed gives an equal trace.
+    Every group of columns is a property with a row for each step; `names` and `units` list the
+    single columns. Two traces are equal if their columns and their `info` are equal: the same seed
+    gives an equal trace.
 
     Attributes
     ----------
@@ -152,7 +153,7 @@ class Trace:
 
     @property
     def blobs(self) -> dict[str, Floats]:
-        """Per colour the centroids of the two largest blobs (N, 2, 2), NaN if missing (px)."""
+        """Centroids of the two largest blobs of each colour (N, 2, 2), NaN if missing (px)."""
         return {
             name.removeprefix("blobs_"): rows.reshape(self._rows, 2, 2)
             for name, rows in self._groups.items()
@@ -161,9 +162,9 @@ class Trace:
 
     @property
     def missed_reasons(self) -> NDArray[np.str_]:
-        """Why the default measurement did not see the robot (N,), as in `Detection`.
+        """The reason why the default measurement did not see the robot (N,), as in `Detection`.
 
-        The text is empty if it saw the robot, or without a measurement.
+        The text is empty if the robot was seen, or without a measurement.
         """
         colors = self.info.marker_colors
         names = detection_reasons(colors) if colors else detection_reasons()
@@ -173,12 +174,12 @@ class Trace:
 
     @property
     def state(self) -> Floats:
-        """Further state of the state estimator (N, n); n = 0 if none."""
+        """Further state of the state estimator (N, n); n = 0 without further state."""
         return self._groups.get("state", np.empty((self._rows, 0)))
 
     @property
     def is_tracked(self) -> bool:
-        """Whether the pose was measured in the run, seen or not."""
+        """Whether the run measured the pose, even if the robot was never seen."""
         return "pose_measured" in self._groups
 
     def require(self, *names: str) -> None:
@@ -272,7 +273,7 @@ class Trace:
 
     @property
     def error(self) -> Floats:
-        """Measured minus true pose (N, 3), the heading's within half a turn; NaN if not seen."""
+        """Measured minus true pose (N, 3), the heading within half a turn; NaN if not seen."""
         error = self.pose_measured - self.pose_true
         error[:, 2] = wrap_angle(error[:, 2])
         return error
@@ -291,9 +292,9 @@ class Trace:
         Returns
         -------
         TrackingStatistics
-            Steps seen, not seen, with the reasons, and false poses. The errors that measurements
-            report. Root mean square and largest error without the false poses; median error of all
-            poses.
+            Numbers of steps with and without a seen robot, the reasons, and false poses. The errors
+            that measurements report. The root mean square error and the largest error exclude false
+            poses; the median error includes all poses.
         """
         return tracking_statistics(
             self.error,
@@ -310,7 +311,7 @@ class Trace:
         Raises
         ------
         NotRecordedError
-            If the trace has neither `t_arrival` nor `t_sent`, as from a simulation.
+            If the trace has neither `t_arrival` nor `t_sent`, like a trace of a simulation.
         """
         if not (np.isfinite(self.t_arrival) | np.isfinite(self.t_sent)).any():
             self.require("t_arrival", "t_sent")
@@ -320,7 +321,7 @@ class Trace:
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of every single column; "" = a plain number."""
+        """Unit of every single column; "" for a number without a unit."""
         units = {"k": "", "t": "s"}
         for name, values in self._groups.items():
             units |= fields_of(name, values.shape[1])

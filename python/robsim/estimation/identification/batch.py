@@ -321,10 +321,10 @@ def batch_estimate(
 ) -> BatchEstimate:
     """Estimate the parameters of the robot model from a whole run.
 
-    From measured poses least squares is biased, since the noise is in its regressors, too. The
-    other methods are asymptotically unbiased, and made for measurement noise alone. If the
-    residuals show process noise, their standard errors include it. The report then also names the
-    better method.
+    Least squares from measured poses is biased, since the regressors contain the noise, too. The
+    other methods are asymptotically unbiased, and assume measurement noise alone. If the residuals
+    show process noise, the standard errors of these methods include it. The report then also names
+    the better method.
 
     Parameters
     ----------
@@ -343,7 +343,7 @@ def batch_estimate(
     motor_delay : float or str
         Delay of the inputs (steps of the model), 0..1000: the `motor_delay` of a simulated world,
         the ``trace.timing().motor_delay`` of a live one. ``"fit"``: estimate it, too, within 0..10
-        steps, with the method ``"output_error"``. It counts from ``trace.u``, or from
+        steps, with the method ``"output_error"``. The delay refers to ``trace.u``, or from
         ``trace.last_u`` if the frames reported the motors' inputs.
 
     Returns

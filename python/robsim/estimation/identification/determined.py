@@ -236,8 +236,8 @@ def identifiability(
         The step. Default: the last one.
     sigma : array (3,), optional
         Standard deviations of the equation noise of x, y (in the unit of the trace) and heading
-        (rad). Default: 0.1 px, 0.1 px, 0.005 rad for an estimate from the truth, which has no
-        noise. Otherwise they come from the one-step prediction errors of the samples up to the
+        (rad). Default for an estimate from the truth, which has no noise: 0.1 px, 0.1 px, 0.005
+        rad. Default for other estimates: the one-step prediction errors of the samples up to the
         step.
 
     Returns
@@ -248,14 +248,14 @@ def identifiability(
     Raises
     ------
     NotRecordedError
-        If the trace has no standard errors: your own estimator reports no errors.
+        If the trace has no standard errors, as with your own estimator.
     TypeError, ValueError
         If `trace` is not a Trace, or `k` or `sigma` is wrong.
 
     Notes
     -----
-    This is practical identifiability: the excitation of this run, at this noise. Structural
-    identifiability asks whether any run without noise determines the parameters.
+    The result is practical identifiability, given the excitation and the noise of this run.
+    Structural identifiability asks whether any run without noise determines the parameters.
 
     Examples
     --------

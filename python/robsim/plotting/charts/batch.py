@@ -37,10 +37,10 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     """Draw the errors of the batch and the online estimates of the 15 parameters.
 
     The axis is logarithmic, so that 1e-12 and 50 % are both readable. The error is relative to the
-    true value; the error of d1, which may be 0, is absolute, with hollow markers. A triangle at the
-    left edge is an error of exactly 0. The values are listed on the right. A pale bar ends at two
-    standard errors of the batch estimate: for equation noise 95 % of the errors lie within the bar.
-    If the truth is not known, only these bars are drawn, relative to the estimates.
+    true value. Since d1 may be 0, its error is absolute and has hollow markers. A triangle at the
+    left edge marks an error of exactly 0. The values are listed on the right. A pale bar ends at
+    two standard errors of the batch estimate: for equation noise 95 % of the errors lie within the
+    bar. If the truth is not known, only these bars are drawn, relative to the estimates.
 
     Parameters
     ----------

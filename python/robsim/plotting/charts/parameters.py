@@ -38,12 +38,13 @@ def plot_parameters(
 ) -> Figure:
     """Draw the errors of the 15 online parameter estimates over the steps, on a logarithmic axis.
 
-    A falling curve converges; a level curve is biased, or follows the noise. The errors are
-    relative to the true values; the errors of d1, which may be 0, are absolute. The true values and
-    the last estimates stand next to the curves. A note marks parameters that the run excites poorly
-    or not at all, from `robsim.identifiability`. It concerns the spread of the estimate from noise,
-    not its bias. If the truth is not known, the deviations are from the last estimates: they show
-    when the estimates settle, not their accuracy.
+    The estimate of a falling curve converges; a level curve shows a bias, or an estimate that
+    follows the noise. The errors are relative to the true values; the errors of d1, which may be 0,
+    are absolute. The true values and the last estimates stand next to the curves. A note from
+    `robsim.identifiability` marks parameters that the run excites poorly or not at all. This note
+    concerns the spread of the estimate due to noise, not its bias. If the truth is not known, the
+    curves show the deviations from the last estimates, so they show when the estimates settle, not
+    their accuracy.
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ def plot_parameters(
         A run with ``estimate_parameters=True``.
     standard_errors : array (N, 3, 5), optional
         Standard errors of the estimates in each step, such as ``trace.standard_errors_unscaled``
-        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``. Twice the standard error is
-        drawn as a dashed line, below which 95 % of the errors should lie; inf = no line.
+        times ``robsim.identifiability(trace).sigma[:, np.newaxis]``. A dashed line shows twice the
+        standard error; 95 % of the errors should lie below this line. No line is drawn for inf.
     axes : array_like (3,) of matplotlib.axes.Axes, optional
         Axes to draw in: x, y, heading. Default: a new figure.
 

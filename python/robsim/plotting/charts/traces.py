@@ -25,15 +25,16 @@ def plot_traces(
 ) -> Figure:
     """Draw poses, measurement errors with their histograms, and the path.
 
-    The line of the truth lies on the dots of the measurement. Errors are measured minus true. Their
-    histograms include all steps with a seen robot, and the bell curve is the normal distribution
-    with the same mean and standard deviation. Outliers are drawn as triangles at the edge.
+    The line of the true pose covers the dots of the measured pose. Errors are measured minus true
+    poses. The histograms include all steps with a seen robot, and the bell curve is the normal
+    distribution with the same mean and standard deviation. Outliers are drawn as triangles at the
+    edge.
 
     Parameters
     ----------
     trace : Trace
-        The recorded run. If it was not tracked, or the truth is not known, only the poses and the
-        path are drawn.
+        The recorded run. If the pose was not measured, or the truth is not known, only the poses
+        and the path are drawn.
     show_blobs : bool
         Also draw the centroids of the two largest blobs of each colour.
     axes : dict of str to matplotlib.axes.Axes, optional
@@ -43,7 +44,7 @@ def plot_traces(
     Returns
     -------
     matplotlib.figure.Figure
-        The figure of the axes; a new one is 10 x 8 inches, or 10 x 4.6 if the run was not tracked
+        The figure of the axes; a new one is 10 x 8 inches, or 10 x 4.6 if the pose was not measured
         or the truth is not known.
 
     Raises

@@ -36,8 +36,8 @@ def plot_frame(
 ) -> Axes:
     """Draw a camera frame with the vision results on it.
 
-    The axes are in work-area pixels. For an oblique view of the plane, in which the frame is not a
-    rectangle, they are in pixels of the frame.
+    The axes are in work-area pixels. If the camera views the plane obliquely, the frame is not a
+    rectangle there, and the axes are in pixels of the frame.
 
     Parameters
     ----------
@@ -52,9 +52,9 @@ def plot_frame(
         The measured pose: a line from the centre along the heading. With `blobs` and no
         measurement, the figure shows "not seen".
     outline : array_like (N, 2), optional
-        Outline of the robot in its own axes, x forward and y to the right (work-area px). It is
-        drawn at the measured pose, or else at the end of the path. Default: with `trace`, the
-        outline of its robot.
+        Outline of the robot in its own axes, x forward and y to the right (work-area px). The
+        outline is drawn at the measured pose, or otherwise at the end of the path. Default: the
+        outline of the robot of `trace`, if given.
     trace : Trace, optional
         The run whose path is drawn, up to the robot with its heading at the end.
     k : int, optional

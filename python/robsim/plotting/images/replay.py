@@ -99,7 +99,7 @@ def play(
     """Return a run as a clip that plays in a notebook, in real time.
 
     The frame rate is limited to 0.1..60 frames per second: with a `dt` below 1/60 s the clip plays
-    slower, with a `dt` above 10 s faster.
+    slower than real time, and with a `dt` above 10 s faster.
 
     Parameters
     ----------

@@ -48,19 +48,20 @@ def check_parameter_estimator(
 ) -> CheckReport:
     """Check a parameter estimator in several situations and report its problems.
 
-    Its results must have the right shape, be finite and depend on its own past samples alone. They
-    must predict better than ``2 x(k-1) - x(k-2)``, a robot of constant speed. They must stay good
-    in a long run and after 1000 steps at rest. Otherwise the check displaces poses and inputs one
-    by one. The step and the axis of the first change then give the reason: phi and y of different
-    steps, mixed axes or forgotten samples. The report leaves out the consequences of a problem.
+    The results of the estimator must have the right shape, be finite and depend on its own past
+    samples alone. They must predict better than ``2 x(k-1) - x(k-2)``, the prediction for constant
+    speed. They must stay accurate in a long run and after 1000 steps at rest. If a check fails,
+    poses and inputs are displaced one by one. The step and the axis of the first change then show
+    the cause: phi and y of different steps, mixed axes or forgotten samples. The report leaves out
+    the consequences of a problem.
 
     Parameters
     ----------
     make : callable or path
-        ``make() -> estimator``: returns a fresh estimator, as ``init_parameter_estimator`` does:
-        an object with ``update(phi, y)``. Or a new ``estimate_parameters`` callback,
-        ``estimate(step) -> (3, 5) or None``. Or a file ``init_parameter_estimator.py``, or the
-        callback folder that has it.
+        ``make() -> estimator``: returns a new estimator, as ``init_parameter_estimator`` does: an
+        object with ``update(phi, y)``. It may also return a new ``estimate_parameters`` callback,
+        ``estimate(step) -> (3, 5) or None``. A path of a file ``init_parameter_estimator.py``, or
+        of the callback folder with this file, is also accepted.
     updates : int
         Length of the longest run; 3000 at most if P stays symmetric. Least squares with
         forgetting diverges if P is not kept symmetric: after about 1 000 updates for
@@ -81,10 +82,11 @@ def check_parameter_estimator(
 
     Notes
     -----
-    The check cannot distinguish least squares with constant P from normalised least mean squares
-    (NLMS) with step 1, the same equation. Nor can it distinguish a gain that is too small from a
-    gradient method, which is right, but slow; both get a remark. The check looks for windup in the
-    square matrices that an estimator keeps; if it hides them, only in its parameters.
+    Least squares with constant P and normalised least mean squares (NLMS) with step 1 are the same
+    equation. The check cannot distinguish them. Nor can it distinguish a gain that is too small
+    from a gradient method, which is correct but slow; both get a remark. The check searches for
+    windup in the square matrices that an estimator stores. If these matrices are hidden, the check
+    sees windup only in the parameters.
 
     Sources: Goodwin and Sin, Adaptive Filtering, Prediction and Control, 1984, chapter 3
     (projection, least squares, covariance resetting); Astrom and Wittenmark, Adaptive Control,

@@ -68,22 +68,23 @@ def check_estimator(
     """Check a state estimator in several situations and report its problems.
 
     The estimator gets the same steps as ``estimate_state`` of `Simulation`, with measurements and
-    empty frames. The checks examine its results (type, symmetry, definiteness) and whether they
-    depend on its own past steps alone. Displaced measurements show its gain, and the step of the
-    first change. The checks compare its covariance with the gain, with R and with the errors
-    (NEES), also while the robot is not seen. Other inputs show its prediction: the first step, the
-    turn, the way. A drive in circles shows the heading beyond +-pi. The report has all independent
-    faults, but not their consequences.
+    empty frames. The checks examine the type, the symmetry and the definiteness of its results,
+    which may depend on its own past steps alone. Displaced measurements show the filter's gain, and
+    the step of the first change. The checks compare the covariance with the gain, with R and with
+    the errors (NEES), also while the robot is not seen. Other inputs show the prediction of the
+    first step, of a turn and of a straight way. A drive in circles tests headings beyond +-pi. The
+    report lists all independent faults, but not their consequences.
 
     Parameters
     ----------
     make : callable or path
-        ``make() -> estimate``: returns a fresh estimator, ``estimate(step) -> Estimate``. For
-        example a class with ``__call__``, or a function that defines and returns another. Or a
-        file ``estimate_state.py``, or the callback folder that has it.
+        ``make() -> estimate``: returns a new estimator, ``estimate(step) -> Estimate``. Examples
+        are a class with ``__call__``, and a function that defines and returns another function. A
+        path of a file ``estimate_state.py``, or of the callback folder with this file, is also
+        accepted.
     dt : float, optional
-        The step time (s), if the estimator supports only one. Default: any; a remark
-        follows if it never uses ``step.dt``.
+        The step time (s), if the estimator supports only one. By default the estimator must support
+        any step time; the report remarks if it never uses ``step.dt``.
     budget : float
         Maximum of the median time per call (s).
 
@@ -109,16 +110,16 @@ def check_estimator(
       it takes for half as large), also a larger Q.
     - Standard deviations in R and an R for another camera, which gets a remark only.
 
-    A repeated measurement equals half of R; the doctor knows the R of its measurements, and looks
-    for R among the numbers that the estimator keeps. Inputs that act a step late equal Euler's
-    method; the doctor looks for the speed among these numbers. Filters with Q and R that are 4
-    times too large or small pass.
+    A repeated measurement has the same effect as half of R. The doctor knows the R of its
+    measurements, and searches for R among the numbers that the estimator stores. Inputs that act a
+    step late have the same effect as Euler's method. The doctor searches for the speed among the
+    stored numbers. Filters with Q and R that are 4 times too large or small pass.
 
-    The mean NEES is 3 for a consistent filter; above 20 it is a problem, also with the sharpest
-    camera's noise. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
-    Tracking and Navigation, 2001, 5.2 (gain and covariance of the update), 5.4 (consistency,
-    NEES), 6.5 (alpha-beta filters); Simon, Optimal State Estimation, 2006, chapter 5 (forms of the
-    update of P).
+    The mean NEES is 3 for a consistent filter; a value above 20 is a problem, also with the noise
+    of the sharpest camera. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
+    Tracking and Navigation, 2001, 5.2 (gain and covariance of the update), 5.4 (consistency, NEES),
+    6.5 (alpha-beta filters); Simon, Optimal State Estimation, 2006, chapter 5 (forms of the update
+    of P).
 
     Examples
     --------

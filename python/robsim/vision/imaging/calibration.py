@@ -64,8 +64,9 @@ _KINDS = {
 class Calibration:
     """A camera's lens, and its view of the floor.
 
-    ``robsim calibrate`` makes it, `save_calibration` writes it to a file. ``robsim.Camera`` and
-    `Recording` accept it, only for frames of this size. Use its `plane_map` for frames of your own.
+    ``robsim calibrate`` makes a calibration, and `save_calibration` writes it to a file.
+    ``robsim.Camera`` and `Recording` accept a calibration only for frames of its size. Use its
+    `plane_map` for your own frames.
 
     Parameters
     ----------
@@ -75,9 +76,9 @@ class Calibration:
         Left, top, width and height of the part of the sensor in the frames (px). Default: not
         known.
     intrinsics : Intrinsics, optional
-        The lens. Default: no distortion, and the camera's height is not known.
+        The lens. By default there is no distortion, and the camera's height is not known.
     floor : PlaneMap, optional
-        The map of the floor plane, for the pixels of an ideal lens. Default: the camera's pose is
+        The map of the floor plane, for the pixels of an ideal lens. By default the camera's pose is
         not calibrated yet.
     area : tuple of int, optional
         Width and height of the work area (px); with `floor`.
@@ -93,8 +94,8 @@ class Calibration:
     features : mapping of str to str, bool, int or float
         Known settings of the camera, such as its exposure.
     marks : mapping of int to tuple of float
-        Pixels (u, v) of the centres of the floor sheets' marks, by their numbers (px). A sheet left
-        in place later shows whether the camera was moved.
+        Pixels (u, v) of the centres of the floor sheets' marks, by their numbers (px). A sheet that
+        stays on the floor shows later whether the camera was moved.
 
     Raises
     ------

@@ -29,7 +29,7 @@ EFFORT = 2  # of WebP, 0..6: more takes seconds longer and saves little
 
 
 class Clip:
-    """Frames as an animation that plays in a notebook, also in a saved one.
+    """Frames as an animation that plays in a notebook, also in a saved notebook.
 
     Parameters
     ----------
