@@ -301,8 +301,9 @@ LeastSquaresFit
 
 Notes
 -----
-Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
-Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
+The method is Householder QR of blocks of rows, followed by QR with column pivoting of the triangle
+(Golub and Van Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise
+in y.
 
 Examples
 --------

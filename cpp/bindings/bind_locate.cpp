@@ -155,9 +155,9 @@ void bind_detection(py::module_& module) {
   Class<Detection> detection(public_in(module, "robsim.vision"), "Detection", R"(
 The result of `detect`: the pair of blobs that fits the markers best, its misfit, and its pose.
 
-The misfit is the sum of three squared deviations. The deviation of the distance is a fraction of
-the markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are fractions
-of the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+The misfit is the sum of three squared deviations. The deviation of the distance is divided by the
+markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are divided by
+the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
 
 Examples
 --------
@@ -288,9 +288,10 @@ void bind_functions(py::module_& module) {
 Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
 
 The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
-the border of the frame are not used, because they may be cut off. Noise or other things may give
-many blobs like the markers. A pair is then accepted only if hardly any pair of the others would fit
-as well by chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
+the border of the frame are not used, because they may be cut off. Noise and other objects may cause
+many blobs that resemble the markers. A pair is then accepted only if hardly any pair of the other
+blobs would fit as well by chance [1]_: if the floor shows only noise, a pose is reported in at most
+one or two of 100 frames.
 
 Parameters
 ----------
@@ -306,8 +307,8 @@ image : Frame or array (H, W, 3) of uint8, optional
     `locate`. Without a measurement the image is examined for the cause, such as darkness.
 colors : list of ColorClass, optional
     The colours used to find the blobs. With colours and the image, a frame without a pair gets a
-    second chance, as in the default measurement: the same colours relative to brightness, see
-    `Detection.by_second_chance`.
+    second chance, as in the default measurement: the search is repeated with the same colours
+    relative to brightness, see `Detection.by_second_chance`.
 
 Returns
 -------

@@ -130,7 +130,7 @@ void define_layout(Class<MarkerLayout>& layout) {
       .def_property_readonly(
           "roles", [](const MarkerLayout& self) { return pair_of(self.roles); },
           "tuple of 2 str: ``(\"right\", \"left\")`` or ``(\"front\", \"back\")``: the markers' "
-          "roles, by their\nplaces. All dicts of markers are in this order.")
+          "roles, by their places. All dicts of markers have this order.")
       .def("__repr__", &repr_of_layout);
 }
 
@@ -192,10 +192,10 @@ void bind_marker_layout(py::module_& module) {
   Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
 The two markers of a robot, their colours and positions, which turn a pair of blobs into a pose.
 
-A marker has a role, which gives its place on the robot, and a colour, by which it is found. The two
-are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. For
-markers one behind the other, ``"front"`` and ``"back"``, and for other arrangements see
-`from_markers` and `from_positions`.
+A marker has a role, which gives its place on the robot, and a colour, by which it is found. The
+roles here are ``"right"`` and ``"left"``: the line between the two markers is perpendicular to the
+heading. See `from_markers` and `from_positions` for markers one behind the other (``"front"`` and
+``"back"``) and for other arrangements.
 
 Parameters
 ----------
@@ -244,7 +244,7 @@ Returns
 -------
 float
     The side of a square of its area (px of the frame); NaN if no area is known. Poses are reliable
-    from 4.5 px on.
+    from a width of 4.5 px on.
 )")
       .def_property_readonly("distance", &MarkerLayout::distance,
                              "float: distance between the markers' centroids (work-area px).")

@@ -280,7 +280,7 @@ height : float
 Returns
 -------
 PlaneMap
-    Pixels <-> places on the work area, straight below the points.
+    Map between pixels and the positions on the work area that lie vertically below the points.
 
 Raises
 ------
@@ -289,10 +289,10 @@ TypeError, ValueError
 
 Notes
 -----
-The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2
-unit vectors (the mean of both, as they are measured). At the height h it is K [r1 r2 t + h n],
-where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
-calibration, PAMI 22(11), 2000.
+The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2 unit
+vectors. Since both are measured, the number is the mean of their scales. At the height h it is K
+[r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new
+technique for camera calibration, PAMI 22(11), 2000.
 )");
   define_map(plane_map, "to_world", &PlaneMap::to_world, "pixels", R"(
 Return the positions of pixels.

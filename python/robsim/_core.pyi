@@ -197,7 +197,7 @@ class PlaneMap:
         Returns
         -------
         PlaneMap
-            Pixels <-> places on the work area, straight below the points.
+            Map between pixels and the positions on the work area that lie vertically below the points.
         
         Raises
         ------
@@ -206,10 +206,10 @@ class PlaneMap:
         
         Notes
         -----
-        The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2
-        unit vectors (the mean of both, as they are measured). At the height h it is K [r1 r2 t + h n],
-        where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new technique for camera
-        calibration, PAMI 22(11), 2000.
+        The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2 unit
+        vectors. Since both are measured, the number is the mean of their scales. At the height h it is K
+        [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new
+        technique for camera calibration, PAMI 22(11), 2000.
         """
     def to_pixel(self, positions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -880,10 +880,10 @@ class MarkerLayout:
     """
     The two markers of a robot, their colours and positions, which turn a pair of blobs into a pose.
     
-    A marker has a role, which gives its place on the robot, and a colour, by which it is found. The two
-    are ``"right"`` and ``"left"`` here: the line between them is perpendicular to the heading. For
-    markers one behind the other, ``"front"`` and ``"back"``, and for other arrangements see
-    `from_markers` and `from_positions`.
+    A marker has a role, which gives its place on the robot, and a colour, by which it is found. The
+    roles here are ``"right"`` and ``"left"``: the line between the two markers is perpendicular to the
+    heading. See `from_markers` and `from_positions` for markers one behind the other (``"front"`` and
+    ``"back"``) and for other arrangements.
     
     Parameters
     ----------
@@ -977,7 +977,7 @@ class MarkerLayout:
         -------
         float
             The side of a square of its area (px of the frame); NaN if no area is known. Poses are reliable
-            from 4.5 px on.
+            from a width of 4.5 px on.
         """
     @property
     def area_tolerance(self) -> float:
@@ -1029,7 +1029,7 @@ class MarkerLayout:
     def roles(self) -> tuple[str, str]:
         """
         tuple of 2 str: ``("right", "left")`` or ``("front", "back")``: the markers' roles, by their
-        places. All dicts of markers are in this order.
+        places. All dicts of markers have this order.
         """
 class Blob:
     """
@@ -1177,9 +1177,9 @@ class Detection:
     """
     The result of `detect`: the pair of blobs that fits the markers best, its misfit, and its pose.
     
-    The misfit is the sum of three squared deviations. The deviation of the distance is a fraction of
-    the markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are fractions
-    of the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+    The misfit is the sum of three squared deviations. The deviation of the distance is divided by the
+    markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are divided by
+    the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
     
     Examples
     --------
@@ -2429,7 +2429,7 @@ class Unicycle:
         ...
 class Controller:
     """
-    A ready controller in native code. It can be called like a callback: ``u = spin(step)``.
+    A predefined controller in native code. It can be called like a callback: ``u = spin(step)``.
     
     Examples
     --------
@@ -2871,9 +2871,10 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
     
     The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
-    the border of the frame are not used, because they may be cut off. Noise or other things may give
-    many blobs like the markers. A pair is then accepted only if hardly any pair of the others would fit
-    as well by chance [1]_: on a floor of noise, a pose is reported in at most one or two of 100 frames.
+    the border of the frame are not used, because they may be cut off. Noise and other objects may cause
+    many blobs that resemble the markers. A pair is then accepted only if hardly any pair of the other
+    blobs would fit as well by chance [1]_: if the floor shows only noise, a pose is reported in at most
+    one or two of 100 frames.
     
     Parameters
     ----------
@@ -2889,8 +2890,8 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
         `locate`. Without a measurement the image is examined for the cause, such as darkness.
     colors : list of ColorClass, optional
         The colours used to find the blobs. With colours and the image, a frame without a pair gets a
-        second chance, as in the default measurement: the same colours relative to brightness, see
-        `Detection.by_second_chance`.
+        second chance, as in the default measurement: the search is repeated with the same colours
+        relative to brightness, see `Detection.by_second_chance`.
     
     Returns
     -------
@@ -3020,8 +3021,9 @@ def least_squares(phi: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike) -> Lea
     
     Notes
     -----
-    Householder QR of blocks of rows, then QR with column pivoting of the triangle (Golub and Van Loan,
-    Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise in y.
+    The method is Householder QR of blocks of rows, followed by QR with column pivoting of the triangle
+    (Golub and Van Loan, Matrix Computations, 5.2.2 and 5.4.2). The standard errors assume white noise
+    in y.
     
     Examples
     --------

@@ -98,7 +98,7 @@ array([[ 0.2,  0.2],
 void bind_ready_controllers(py::module_& module) {
   Class<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"), "Controller",
                                                  R"(
-A ready controller in native code. It can be called like a callback: ``u = spin(step)``.
+A predefined controller in native code. It can be called like a callback: ``u = spin(step)``.
 
 Examples
 --------

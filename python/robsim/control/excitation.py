@@ -53,9 +53,10 @@ class _Excitation:
 class PseudoRandomBinary(_Excitation):
     """Switches each motor between two voltages in a periodic pseudo-random binary sequence (PRBS).
 
-    No other input within the same limits has more power. The right motor gets the sequence of the
-    left one, delayed by half a period: over a whole period the two are almost uncorrelated. The
-    path repeats with the voltages, shifted a little in each period.
+    No other input within the same limits has more power. The right motor gets the left motor's
+    sequence with a delay of half a period. Over a whole period the two voltages are almost
+    uncorrelated. The path repeats with the period of the voltages, and is shifted a little in each
+    period.
 
     Parameters
     ----------
@@ -163,8 +164,8 @@ class MultiSine(_Band):
 
     The frequencies are the multiples of the minimum frequency: the odd ones for the left motor,
     the even ones for the right. Over a whole period, ``1 / minimum_frequency``, the two voltages
-    are uncorrelated. The phases keep the crest factor low. The path repeats with the voltages,
-    shifted a little in each period.
+    are uncorrelated. The phases keep the crest factor low. The path repeats with the period of the
+    voltages, and is shifted a little in each period.
 
     Parameters
     ----------
@@ -180,14 +181,15 @@ class MultiSine(_Band):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range. At a step, if the maximum frequency
+        If an argument has the wrong type or is out of range. During a run, if the maximum frequency
         is not below half the sampling frequency.
 
     Notes
     -----
-    Phases: Schroeder, Synthesis of Low-Peak-Factor Signals and Binary Sequences with Low
-    Autocorrelation, IEEE Trans. Information Theory 16(1), 1970. Sums of sines as inputs: Söderström
-    and Stoica, System Identification, 1989, ch. 5; Ljung, System Identification, 1999, 13.3.
+    Source of the phases: Schroeder, Synthesis of Low-Peak-Factor Signals and Binary Sequences with
+    Low Autocorrelation, IEEE Trans. Information Theory 16(1), 1970. Sums of sines as inputs:
+    Söderström and Stoica, System Identification, 1989, ch. 5; Ljung, System Identification, 1999,
+    13.3.
 
     Examples
     --------
@@ -265,8 +267,8 @@ def _schroeder(multiples: NDArray[np.int64]) -> _Waves:
 class Chirp(_Band):
     """Gives each motor a sine that sweeps a frequency band repeatedly.
 
-    The left motor's sine sweeps up, the right motor's down. Both spend the same time in each
-    octave.
+    The left motor's sine sweeps up, and the right motor's sine sweeps down. Both spend the same
+    time in each octave.
 
     Parameters
     ----------
@@ -281,7 +283,7 @@ class Chirp(_Band):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range. At a step, if the maximum frequency
+        If an argument has the wrong type or is out of range. During a run, if the maximum frequency
         is not below half the sampling frequency.
 
     Notes

@@ -63,7 +63,7 @@ class PathScore(Report):
 
     @property
     def title(self) -> str:
-        """The subject: the path."""
+        """The subject of the report: the path."""
         return "Path through the waypoints"
 
     @property
@@ -89,7 +89,7 @@ class PathScore(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The part of the path for the errors."""
+        """The part of the path to which the errors refer."""
         if self.completed_step is not None:
             return ()
         return ("the cross-track errors are of the driven path: a robot at rest has errors of 0",)
@@ -247,7 +247,7 @@ class PoseScore(Report):
 
     @property
     def title(self) -> str:
-        """The subject: the parking."""
+        """The subject of the report: the parking."""
         return "Parking at a pose"
 
     @property
@@ -273,7 +273,7 @@ class PoseScore(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The warning that few steps decide the verdict."""
+        """The warning if only a few steps decide the verdict."""
         if not 0 < self.held < _FEW_STEPS:
             return ()
         return (f"settled by the last {self.held} of the poses: the robot may only drive through",)
@@ -302,7 +302,7 @@ def score_pose(
     Returns
     -------
     PoseScore
-        Errors at the end, settling step and time, overshoot, effort.
+        Errors at the end, settling step and time, overshoot, and effort.
 
     Raises
     ------
@@ -313,8 +313,9 @@ def score_pose(
 
     Notes
     -----
-    Steps without a pose count neither as left nor as settled. The overshoot is the largest distance
-    after the first step within the position tolerance, less that tolerance, or 0.
+    A step without a pose means neither that the robot has left the pose nor that it has settled.
+    The overshoot is the largest distance after the first step within the position tolerance, less
+    that tolerance, or 0.
 
     Examples
     --------

@@ -20,7 +20,7 @@ _SEED_KEYS = {"entropy", "spawn_key"}
 
 @dataclass(frozen=True, kw_only=True)
 class RunInfo:
-    """A trace's facts about the run as a whole.
+    """The properties of a whole run in a trace.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class RunInfo:
         Sample time (s).
     theta_true : array_like (3, 5)
         True parameters of the robot model, rows X, Y, P (heading), columns a1, a2, b1, b2, d1.
-        NaN = not known, for recorded frames.
+        NaN = not known, as with recorded frames.
     seed : dict
         ``entropy`` and ``spawn_key`` of the run's `numpy.random.SeedSequence`. Default: an empty
         dict, for an unknown seed, as with recorded frames.
@@ -53,8 +53,8 @@ class RunInfo:
         Length of a px of the work area on the floor (mm), from the camera's calibration. Default:
         not known.
     headings : int, optional
-        Number of drawn headings of the robot, at whole pixels, in a simulation. Default: any, as in
-        a camera's view, or not known.
+        Number of drawn headings of the robot, at whole pixels, in a simulation. Default: any
+        heading, as in a camera's view, or not known.
     unit : str
         The unit of all lengths of the trace, and of theta_true: ``"px"``, or, after
         `Trace.in_unit`, ``"mm"``, ``"cm"``, ``"m"``.

@@ -21,7 +21,7 @@ _SAME = 0.8  # share of intervals that make a multiple of dt the rate
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TimingReport(Report):
-    """Regularity of a run's frames, and delay of its inputs.
+    """The regularity of the frames and the delay of the inputs in a run.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ class TimingReport(Report):
 
     @property
     def title(self) -> str:
-        """The subject: the frames and inputs."""
+        """The subject of the report: the frames and inputs."""
         return "Timing"
 
     @property
     def motor_delay(self) -> float:
-        """The median time from the exposure of a frame until the input went out, in steps of dt.
+        """The median time from the exposure of a frame to the sending of the input, in steps of dt.
 
         Use it as `motor_delay` of a simulated world, of filters and of fits.
         """

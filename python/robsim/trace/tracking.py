@@ -86,7 +86,7 @@ class TrackingStatistics(Report):
 
     @property
     def title(self) -> str:
-        """The subject: the tracking."""
+        """The subject of the report: the tracking."""
         return "Tracking" if self.seen else "Tracking, never seen"
 
     @property
@@ -135,7 +135,7 @@ class TrackingStatistics(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Reasons for missing or large errors, and the meaning of the words."""
+        """The reasons for missing or large errors, and the definitions of the terms."""
         if self.steps and not self.seen:
             if self.missed:
                 return ("no pose was measured: the robot was detected in no frame",)

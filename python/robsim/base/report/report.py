@@ -20,9 +20,9 @@ _PARTS = ("title", "verdict", "at_limit", "quantities", "tables", "problems", "r
 class Report(ABC):
     """A result: a dataclass of numbers with their titles and units.
 
-    A subclass has the properties `title` and, as far as they apply, `verdict`, `at_limit`,
-    `quantities`, `tables` and `remarks`. They define the short line at a prompt, the text of
-    ``print``, the table in a notebook, `to_dict`, `to_json` and `to_pandas`.
+    A subclass has the property `title` and, if they apply, `verdict`, `at_limit`, `quantities`,
+    `tables` and `remarks`. They define the short line at a prompt, the text of ``print``, the table
+    in a notebook, `to_dict`, `to_json` and `to_pandas`.
 
     Examples
     --------
@@ -76,10 +76,10 @@ class Report(ABC):
 
     @property
     def at_limit(self) -> bool | None:
-        """Whether the verdict is on the edge; None = chance plays no part.
+        """Whether the verdict is at the limit; None = the verdict does not depend on chance.
 
-        On the edge: an input better or worse by one standard deviation would change the verdict.
-        Other seeds may then give another verdict.
+        A verdict is at the limit if an input better or worse by one standard deviation would change
+        the verdict. Other seeds may then give another verdict.
         """
         return None
 
@@ -127,9 +127,9 @@ class Report(ABC):
     def to_dict(self) -> dict[str, Any]:
         """Return title, verdict, at_limit, quantities, tables, remarks, as plain values by name.
 
-        A table is row -> column -> value. ``"units"`` has the units of quantities and columns; a
-        row has its own. None = not known, or not finite. Angles are in rad, unless ``"units"`` says
-        deg.
+        A table maps each row to a dict of its columns' values. ``"units"`` has the units of
+        quantities and columns; a row has its own. None = not known, or not finite. Angles are in
+        rad, unless ``"units"`` gives deg.
         """
         return as_dict(self)
 

@@ -253,7 +253,7 @@ class Table:
         return [self.row_title, *titles]
 
     def texts(self) -> Iterator[list[str]]:
-        """Yield the rows as displayed, the title with its unit first."""
+        """Yield the displayed rows, each with the title and its unit first."""
         for row in self.rows:
             cells = []
             for column, value in zip(self.columns, row.values, strict=True):
@@ -274,7 +274,7 @@ class Table:
         return any(row.unit for row in self.rows)
 
     def records(self) -> Iterator[tuple[str, dict[str, Any]]]:
-        """Yield title and values of each row, name -> value; "unit" if the rows have units."""
+        """Yield each row as a dict of title and values, with "unit" if the rows have units."""
         keys = [column.key for column in self.columns]
         for row in self.rows:
             unit = {"unit": row.unit} if self.has_units else {}

@@ -208,7 +208,7 @@ class _Robot(Protocol):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasurementBound(Report):
-    """The least error of a measured pose, from `measurement_bound`.
+    """The smallest possible error of a measured pose, from `measurement_bound`.
 
     Attributes
     ----------
@@ -238,12 +238,12 @@ class MeasurementBound(Report):
 
     @property
     def rmse_xy(self) -> float:
-        """Least root mean square error in place, x and y together (work-area px)."""
+        """Smallest possible root mean square error of the position (x, y) (work-area px)."""
         return math.sqrt(self.covariance[0, 0] + self.covariance[1, 1])
 
     @property
     def rmse_heading_deg(self) -> float:
-        """Least root mean square error of the heading (degrees)."""
+        """Smallest possible root mean square error of the heading (degrees)."""
         return math.degrees(math.sqrt(self.covariance[2, 2]))
 
     @property
@@ -253,7 +253,7 @@ class MeasurementBound(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The errors, with the edges' noise ratio and width."""
+        """The errors, and the signal-to-noise ratio and the width of the edges."""
         width = "blur of the edges, px of the frame"
         return (
             Quantity("rmse_xy", "rmse of the position", self.rmse_xy, "px", ".4f"),
@@ -286,17 +286,17 @@ def measurement_bound(
     *,
     noise: Noise | None = None,
 ) -> MeasurementBound:
-    """Return the least error of a pose measured from the robot's markers.
+    """Return the smallest possible error of a pose measured from the robot's markers.
 
-    The bound uses only the pixels of the markers and around them. The brightness of the markers and
-    of the floor next to each, and the blur of the picture, are unknown; the rest of the robot does
-    not count.
+    The bound uses only the pixels of the markers and around them. The bound assumes that the
+    brightness of the markers and of the floor next to them and the blur of the picture are unknown.
+    The rest of the robot does not count.
 
     Parameters
     ----------
     frame : Frame
-        The source of brightness, contrast, blur, and scale (with its plane map): a frame without
-        noise, or with little. With 40 % noise and 10 px markers the bound is doubled.
+        The source of brightness, contrast, blur, and scale (with its plane map): a frame with
+        little or no noise. A frame with 40 % noise and 10 px markers doubles the bound.
     pose : array (3,)
         Pose of the robot in the frame: x, y (work-area px), heading (rad).
     robot : RobotDefinition or sequence of array (N, 2)
@@ -309,7 +309,7 @@ def measurement_bound(
     Returns
     -------
     MeasurementBound
-        Covariance, root mean square errors, signal to noise.
+        The covariance, the root mean square errors and the signal-to-noise ratio.
 
     Raises
     ------
@@ -323,9 +323,9 @@ def measurement_bound(
         mu = level_kc + contrast_kc K
 
     K is the integral over the marker of a normal distribution around the pixel [2]_. For a polygon
-    that stands for a curve it is Phi(d / w), d px within the edge. The standard deviation w of the
-    blur, and all levels and contrasts are as unknown as the pose. With the information J(mu) of a
-    pixel the pose has the information
+    that represents a curve, K is Phi(d / w) at a distance of d px inside the edge. The standard
+    deviation w of the blur, and all levels and contrasts are as unknown as the pose. With the
+    information J(mu) of a pixel the pose has the information
 
         N = sum_ic J(mu_ic) g_ic g_ic',   g_ic = d mu_ic / d(pose, ln w, levels, contrasts)
 

@@ -38,9 +38,9 @@ class WhitenessReport(Report):
 
     Notes
     -----
-    Of white innovations of 20 to 1000 steps 4 to 7 % fail with the default number of lags. This
-    holds for one to three components, with gaps, in one run or several. At the limit are 15 to 25 %
-    (tests/statistics/RESULTS.md).
+    With the default number of lags, 4 to 7 % of white innovations of 20 to 1000 steps fail. This
+    holds for one to three components, with gaps, and in one or several runs. 15 to 25 % are at the
+    limit (tests/statistics/RESULTS.md).
 
     Examples
     --------
@@ -73,12 +73,12 @@ class WhitenessReport(Report):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Degrees of freedom of `ljung_box`: also its mean, half its variance."""
+        """Degrees of freedom of `ljung_box`, which are equal to its mean and half its variance."""
         return int(np.count_nonzero(self.pairs))
 
     @property
     def ljung_box_limit(self) -> float:
-        """The limit of `ljung_box`; a larger value is not white."""
+        """The limit of `ljung_box`; a larger value means that the innovation is not white."""
         return chi_square_quantile(_LEVEL, self.degrees_of_freedom)
 
     @property
@@ -116,7 +116,7 @@ class WhitenessReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The expectation, and the deciding numbers at the limit."""
+        """The expectation, and the decisive numbers if the verdict is at the limit."""
         expected = (
             "white: the p-value is at least 0.05; for a white innovation about 5 % of the "
             "autocorrelations are outside"
@@ -125,7 +125,7 @@ class WhitenessReport(Report):
 
     @property
     def edge_remarks(self) -> tuple[str, ...]:
-        """The deciding numbers, if the verdict is at the limit."""
+        """The decisive numbers, if the verdict is at the limit."""
         if not self.at_limit:
             return ()
         return (

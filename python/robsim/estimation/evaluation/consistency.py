@@ -131,27 +131,27 @@ class ConsistencyReport(Report):
 
     The NEES is not white, since the errors of neighbouring steps are correlated. So the variance of
     its mean over time is larger than for chi-square. For a correctly tuned Kalman filter of
-    position and velocity that mean misses its band in 29 % of the trials. The range is 7 to 56 %,
-    more for a filter with a longer memory. In 99 % some step lies outside its own band. Therefore
-    at least 80 % of the steps must lie in their bands. From 20 runs on, the mean must also not be
-    off by more than 10 % and 4 of its standard errors. These come from the spread between the runs,
-    which correlation in time does not affect. The verdict always uses the 95 % band, for each
-    displayed `level`.
+    position and velocity, this mean misses its band in 29 % of the trials. The percentage ranges
+    from 7 to 56 %, and increases with the memory of the filter. In 99 % of the trials, some step
+    lies outside its own band. Therefore at least 80 % of the steps must lie in their bands. From 20
+    runs on, the mean must also not deviate by more than 10 % and 4 of its standard errors. The
+    standard errors come from the spread between the runs, which correlation in time does not
+    affect. The verdict always uses the 95 % band, regardless of the displayed `level`.
 
-    A verdict is at the limit if the share or the mean, better or worse by its standard error, would
-    change it. The standard error of the share comes from its autocorrelation in time. Of correct
-    filters over 20 runs, 1 to 10 % are at the limit. Of filters with a rejection rate of one half,
-    40 to 80 % are. By their NIS 25 to 40 % of correct filters are at the limit, since its limits
-    are only 1.96 standard deviations off. ``./run study statistics`` measures all rates:
-    tests/statistics/RESULTS.md.
+    A verdict is at the limit if a change of the share or of the mean by one standard error would
+    change the verdict. The standard error of the share comes from its autocorrelation in time. Over
+    20 runs, 1 to 10 % of correct filters are at the limit. For filters with a rejection rate of one
+    half, the percentage is 40 to 80 %. In the NIS test, 25 to 40 % of correct filters are at the
+    limit, since its limits are only 1.96 standard deviations away. ``./run study statistics``
+    measures all rates: tests/statistics/RESULTS.md.
 
-    Trials of that filter had four levels of process noise and 100 to 500 steps. Over 20 runs this
-    test rejected 1 of 1200 correctly tuned filters. It rejected 4799 of 4800 with Q or R wrong by a
-    factor of 4 either way. On a single run it rejected 3 of 4800 correctly tuned filters. It
-    rejected 42 to 75 % with a Q too small by 4, and 63 to 100 % with an R too small. It rejected 0
-    with a Q or R too large: errors smaller than reported lie in the wide band of a single run. The
-    NIS of a single run rejected each wrong R there. It rejected 8 to 100 % of the wrong Q, more
-    with a larger Q relative to R.
+    The trials of this filter had four levels of process noise and 100 to 500 steps. Over 20 runs,
+    the NEES test rejected 1 of 1200 correctly tuned filters. It rejected 4799 of 4800 filters whose
+    Q or R was too large or too small by a factor of 4. In single runs, it rejected 3 of 4800
+    correctly tuned filters. It rejected 42 to 75 % of filters with Q too small by 4, and 63 to 100
+    % with R too small. It rejected no filter with a Q or R too large: errors smaller than reported
+    lie in the wide band of a single run. The NIS test of single runs rejected each wrong R. It
+    rejected 8 to 100 % of the wrong Q, and more of them if Q is larger relative to R.
 
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation,
     5.4, 2001.
@@ -187,14 +187,14 @@ class ConsistencyReport(Report):
 
     @property
     def mean(self) -> float:
-        """Mean of all known values; n is expected, NaN = no known value."""
+        """Mean of all known values; its expectation is n, and NaN = no known value."""
         known = self.counts > 0
         total = int(self.counts.sum())
         return float(np.sum(self.values[known] * self.counts[known])) / total if total else np.nan
 
     @property
     def mean_standard_error(self) -> float:
-        """Standard error of the mean, from the spread between the runs; NaN for fewer than two."""
+        """Standard error of the mean, from the spread between the runs; NaN for a single run."""
         means = self.means[~np.isnan(self.means)]
         if np.isinf(means).any():
             return np.inf
@@ -202,7 +202,7 @@ class ConsistencyReport(Report):
 
     @property
     def mean_band(self) -> Floats:
-        """The 95 % chi-square band (2,) of the mean, valid for white values: for a NIS."""
+        """The 95 % chi-square band (2,) of the mean, valid only for white values, as of a NIS."""
         return chi_square_band(self.n, runs=int(self.counts.sum()), level=JUDGED_LEVEL)
 
     @property
@@ -213,7 +213,7 @@ class ConsistencyReport(Report):
 
     @property
     def share(self) -> float:
-        """Fraction of the known steps in the 95 % band, which decides about a NEES."""
+        """Fraction of the known steps in the 95 % band, which decides the verdict on a NEES."""
         return mean_of_known(self._is_inside, axis=0).item()
 
     @property
@@ -306,7 +306,7 @@ class ConsistencyReport(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The mean, its expectation, and the fractions of the steps in the band."""
+        """The mean, its expectation, and the fractions of steps in, above and below the band."""
         band = f"{percent(self.level, 0)} band"
         return (
             Quantity("mean", f"mean {self.kind}", self.mean, format=".3g"),

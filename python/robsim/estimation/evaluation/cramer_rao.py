@@ -41,9 +41,9 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
 
         sqrt(diag(J^-1)) = sigma sqrt(diag((Phi' Phi)^-1))
 
-    It is computed from the triangular factor R of a QR decomposition of Phi, R' R = Phi' Phi.
-    Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, 4.3, 1993. With
-    noise in the regressors, too, the true bound is larger.
+    The bound is computed from the triangular factor R of a QR decomposition of Phi, R' R = Phi'
+    Phi. Source: Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, 4.3, 1993.
+    With noise in the regressors, too, the true bound is larger.
 
     Examples
     --------
@@ -107,8 +107,8 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
 
     Notes
     -----
-    For measurement noise this is no bound: with the sigma of one-step prediction errors it is the
-    least error of least squares. Output error may be 100 times as exact.
+    For measurement noise the result is not a bound: with the sigma of one-step prediction errors it
+    is the smallest possible error of least squares. Output error may be 100 times as exact.
 
     Examples
     --------

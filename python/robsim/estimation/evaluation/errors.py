@@ -77,7 +77,8 @@ class ErrorReport(Report):
     reported_sd : array (M, N, n) or None
         The standard deviations that the estimator reports, if any.
     names, units : tuple of n str
-        Names and units of the n components. Angles are in rad; the printed table has degrees.
+        Names and units of the n components. Angles are in rad; the printed table has angles in
+        degrees.
     k : array (N,) of int
         Number of each step.
     measured : array (M, N, n) or None
@@ -87,8 +88,8 @@ class ErrorReport(Report):
 
     Notes
     -----
-    The root mean square error of a single run is random itself. For a Kalman filter its standard
-    deviation is about 10 %, and the standard deviation of the mean of 20 runs 2.5 %: compare
+    The root mean square error of a single run is random, too. For a Kalman filter its standard
+    deviation is about 10 %; the mean of 20 runs has a standard deviation of 2.5 %. So compare
     filters over many runs.
 
     Examples
@@ -120,7 +121,7 @@ class ErrorReport(Report):
 
     @property
     def known(self) -> NDArray[np.int64]:
-        """Number of steps with a known error, (n,); the statistics below use only these."""
+        """Number of steps with a known error, (n,); the statistics below use only these steps."""
         return np.asarray(np.count_nonzero(~np.isnan(self.error), axis=(0, 1)))
 
     @property
@@ -147,9 +148,9 @@ class ErrorReport(Report):
 
     @property
     def reported_sd_median(self) -> Floats:
-        """Median of the reported standard deviations (n,); NaN without.
+        """Median of the reported standard deviations (n,); NaN without reports.
 
-        The steps before the robot is first seen would dominate their root mean square.
+        The steps before the first detection of the robot would dominate a root mean square.
         """
         if self.reported_sd is None or np.isnan(self.reported_sd).all():
             return np.full(len(self.names), np.nan)
@@ -162,7 +163,7 @@ class ErrorReport(Report):
 
     @property
     def few_steps(self) -> NDArray[np.bool_]:
-        """The few steps (M, N), at most 3 %, with half of the sum of squared errors."""
+        """Dominant steps (M, N): at most 3 % of the steps, with half of the squared errors."""
         return np.asarray(few_steps(self.error).any(axis=-1))
 
     @property

@@ -82,8 +82,9 @@ class BatchEstimate(Report):
     Attributes
     ----------
     theta_true, batch, online : array (3, 5)
-        The model's own values, batch estimate, last online estimate; rows X, Y, P (heading),
-        columns a1, a2, b1, b2, d1. NaN = not determined by the run, or no online estimate.
+        The model's own values, the batch estimate and the last online estimate; rows X, Y, P
+        (heading), columns a1, a2, b1, b2, d1. NaN = the run does not determine the parameter, or no
+        online estimate.
     identify_from, online_from : str
         The data of the batch and of the online estimate: truth, measurement or estimate.
     start, stop : int
@@ -97,19 +98,19 @@ class BatchEstimate(Report):
         Root mean square of the one-step prediction error (x, y in `unit`, heading in rad); for a
         method other than least squares, of the residuals of its fit.
     standard_errors : array (3, 5)
-        Standard errors of `batch`, with the noise estimated from the residuals. For least squares
-        they are valid for equation noise; measurement noise also biases it. For the other methods
-        they are the `white_noise_errors` unless the residuals contradict these. Otherwise they
-        include the estimated process noise or correlation of the measurement noise. They do not
-        cover a wrong model.
+        Standard errors of `batch`, with the noise estimated from the residuals. For least squares,
+        the standard errors are valid for equation noise; measurement noise also causes a bias. For
+        the other methods, they are the `white_noise_errors` unless the residuals contradict these.
+        In that case they include the estimated process noise or the correlation of the measurement
+        noise. The standard errors do not cover a wrong model.
     white_noise_errors : array (3, 5)
         Standard errors of a method other than least squares for measurement noise alone,
-        independent from step to step; otherwise NaN. A camera's errors are in part a function of
-        the pose, and similar in neighbouring steps.
+        independent from step to step; otherwise NaN. The errors of a camera partly depend on the
+        pose, so they are similar in neighbouring steps.
     standard_errors_unscaled : array (3, 5)
         Standard errors for noise of standard deviation 1 (x, y in `unit`, heading in rad).
     n_samples : int, optional
-        Number of samples. Default: all of the steps start..stop - 1 without interruption.
+        Number of samples. Default: all steps start..stop - 1, without interruption.
     left_out : int
         Number of samples omitted because they span a bounce, a missing pose or lost frames.
     select : str
@@ -125,7 +126,7 @@ class BatchEstimate(Report):
         Delay of the inputs (steps), and its standard error if it was estimated, otherwise 0.
     whiteness_p_value : float
         Probability that residuals without process noise are as far from white; NaN for least
-        squares. Below 0.05 they contradict the `white_noise_errors`.
+        squares. A probability below 0.05 contradicts the `white_noise_errors`.
     process_sigma, measurement_sigma : array (3,)
         Standard deviations of process noise and measurement noise in a step, from the residuals (x,
         y in `unit`, heading in rad); NaN for least squares.
@@ -193,20 +194,20 @@ class BatchEstimate(Report):
 
     @property
     def is_model_exact(self) -> bool:
-        """Whether the robot moved as its model says, within the resolution of the estimate."""
+        """Whether the robot moved like its model, within the resolution of the estimate."""
         return self.departure == "none" or not self.model_error.any()
 
     @property
     def knows_truth(self) -> bool:
-        """Whether `theta_true` is the truth: only process noise departs from the model."""
+        """Whether `theta_true` is the truth: process noise is the only departure from the model."""
         return self.is_model_exact or self.departure == "process noise"
 
     @property
     def identifiability(self) -> Identifiability:
         """The identifiability of each parameter in this run.
 
-        For true poses, which have no noise, sigma is assumed; otherwise it comes from the
-        residuals.
+        For true poses, which have no noise, a value of sigma is assumed; otherwise sigma comes from
+        the residuals.
         """
         n_samples = self._samples
         if self.identify_from == "truth":
@@ -237,7 +238,7 @@ class BatchEstimate(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """True value, batch estimate with standard error, online estimate of each parameter."""
+        """True value, batch estimate with standard error, and online estimate of each parameter."""
         true = "true value" if self.knows_truth else "model's value"
         errors = np.where(np.isfinite(self.batch), self.standard_errors, np.nan)
         columns = {

@@ -111,7 +111,7 @@ class ConvergenceReport(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """True value, last estimate, tolerance and time of each parameter."""
+        """True value, last estimate, tolerance and convergence time of each parameter."""
         time = Column("time", "stays near from", "s", ".4g", missing="not near at the end")
         columns = {
             Column("true", "true value", format=".5g"): self.theta_true,
@@ -123,7 +123,7 @@ class ConvergenceReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The meaning of near, and the deciding numbers at the limit."""
+        """The definition of "near", and the decisive numbers if the verdict is at the limit."""
         near = "near: within the tolerance of the true value, from then on until the end"
         if self.identify_from != "truth":
             near += (

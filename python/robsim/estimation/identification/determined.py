@@ -76,19 +76,19 @@ class Identifiability(Report):
     def verdicts(self) -> NDArray[np.str_]:
         """Array (3, 5): ``"well"``, ``"poorly"`` or ``"not excited"``.
 
-        Well: the standard error is at most 5 % of the parameter. Poorly: at most 50 %.
+        "well" means that the standard error is at most 5 % of the parameter. Poorly: at most 50 %.
         """
         return _verdicts(self.relative)
 
     @property
     def are_at_limit(self) -> NDArray[np.bool_]:
-        """Whether each verdict differs within the `relative_range`, (3, 5)."""
+        """Whether each verdict changes within the `relative_range`, (3, 5)."""
         better, worse = map(_verdicts, self.relative_range)
         return np.asarray(better != worse)
 
     @property
     def verdict_texts(self) -> NDArray[np.str_]:
-        """The `verdicts` for a table, with a remark if at the limit, (3, 5)."""
+        """The `verdicts` as text for a table, with a remark on verdicts at the limit, (3, 5)."""
         suffixes = np.where(self.are_at_limit, ", at the limit", "")
         return np.char.add(self.verdicts, suffixes)
 
@@ -109,7 +109,7 @@ class Identifiability(Report):
 
     @property
     def title(self) -> str:
-        """The subject: the excitation of the parameters."""
+        """The subject of the report: the excitation of the parameters."""
         return f"Excitation of the parameters{lengths_in(self.unit)}"
 
     @property
@@ -125,7 +125,7 @@ class Identifiability(Report):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """Standard error, also relative to the parameter, and verdict of each parameter."""
+        """The standard error (also relative to the parameter) and the verdict of each parameter."""
         columns = {
             Column("standard_error", "standard error", format=".2g"): self.standard_errors,
             Column("relative", "relative", format=percent): self.relative,
@@ -135,7 +135,7 @@ class Identifiability(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The meaning of the verdicts, and their noise."""
+        """The definitions of the verdicts, and their uncertainty."""
         return (*self._on_excitation, *self._on_methods, *noise_remarks(self.identify_from))
 
     @property

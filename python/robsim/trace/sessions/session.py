@@ -34,18 +34,20 @@ _WHERE_KNOWN = ("t_arrival", "t_sent", "last_u")
 class Session:
     """A recorded run in a file: an iterable of `Observation`, one for each step.
 
-    An `Experiment` reruns it with other callbacks: ``robsim.Experiment(session, ...)``. Each
-    observation has the frame, its time, and the input that the robot really got since the previous
-    step. So estimators see the recorded run, regardless of the new controller's outputs.
+    An `Experiment` reruns the recorded run with other callbacks:
+    ``robsim.Experiment(session, ...)``. Each observation has the frame, its time, and the input
+    that the robot really got since the previous step. So estimators see the recorded run,
+    regardless of the new controller's outputs.
 
-    A killed or unfinished run can be read up to its last written step on opening: a kill loses the
-    last step. Opening completes a cut-off file, unless it has changed in the last 10 s: another
-    program may be copying it.
+    A killed or unfinished run can be read up to the last written step: a kill loses only the last
+    step. Opening a truncated file completes it, unless the file has changed in the last 10 s, since
+    another program may be copying it.
 
     Parameters
     ----------
     path : path
-        The file, with or without its suffix ``.mcap``. A folder of an earlier robsim is also read.
+        The file, with or without its suffix ``.mcap``. A folder recorded by an earlier version of
+        robsim is also read.
 
     Attributes
     ----------
@@ -83,20 +85,22 @@ class Session:
     FileNotFoundError
         If the file does not exist, or a folder has no session.
     TypeError, ValueError
-        If the file is damaged, or no session. During iteration: if a frame is damaged.
+        If the file is damaged, or is not a session. During iteration, also if a frame is damaged.
 
     Notes
     -----
-    It is an MCAP file of ROS 2 messages, which Foxglove and rosbag2 open: pictures
+    A session is an MCAP file of ROS 2 messages, which Foxglove and rosbag2 can open: pictures
     (``/camera/image/compressed``, ``/camera/camera_info``), poses with their covariance
-    (``/pose_measured``, ``/pose_estimated``), voltages (``/u``), faults (``/diagnostics``), places
-    (``/tf``, ``/tf_static``). Stamps are exposure times. Lengths are in m if the scale is known;
-    else they are in px, and the names of the frames end with ``_px``.
+    (``/pose_measured``, ``/pose_estimated``), voltages (``/u``), faults (``/diagnostics``), and
+    coordinate frames (``/tf``, ``/tf_static``). Stamps are exposure times. Lengths are in m if the
+    scale is known; otherwise they are in px, and the names of the coordinate frames end with
+    ``_px``.
 
-    In the frame ``area``, the work area, x points right, y down, z into the floor; in ``map`` y and
-    z point up. ``robot`` has the axes of the area, turned by the heading; in ``base_link`` z points
-    up. ``camera`` is the optical frame of a camera with a calibrated lens. robsim itself reads the
-    exact numbers in ``/robsim/steps``, and the set-up in the metadata ``robsim.setup``.
+    In the coordinate frame ``area``, the work area, x points right, y down and z into the floor; in
+    ``map``, y and z point up. ``robot`` has the axes of the area, turned by the heading; in
+    ``base_link`` z points up. ``camera`` is the optical frame of a camera with a calibrated lens.
+    robsim itself reads the exact numbers in ``/robsim/steps``, and the set-up in the metadata
+    ``robsim.setup``.
 
     Examples
     --------

@@ -159,7 +159,7 @@ def save_image(path: str | PathLike[str], image: Pixels) -> None:
     OSError
         If the file cannot be written.
     TypeError, ValueError
-        If `image` has another type or shape, or the suffix names no known format.
+        If `image` has the wrong type or shape, or the suffix names no known format.
 
     Examples
     --------

@@ -128,13 +128,13 @@ class VideoWriter:
 
     The suffix of the file name selects the codec. ``.mkv`` and ``.avi`` are lossless: use them for
     measurements (about 0.6 MB for a frame of 1200 x 1200 px). ``.mp4`` and ``.webm`` are much
-    smaller, for viewing; browsers play ``.webm``. They blur the edges of the markers by a fraction
-    of a pixel, which shifts a pose by about 0.2 px and 0.3 degrees.
+    smaller, for viewing; browsers play ``.webm``. Both formats blur the markers' edges by a
+    fraction of a pixel, which shifts a pose by about 0.2 px and 0.3 degrees.
 
-    Frames of a simulation carry the number of drawn headings. The file keeps it for
+    Frames of a simulation contain the number of drawn headings. The file stores this number for
     `robsim.Recording`, in a note at its end. Arrays have no such number.
 
-    The file gets its name after completion: at the end of the ``with`` block, also after an
+    The file gets its name when it is complete: at the end of the ``with`` block, also after an
     exception. Frames written before an exception are playable.
 
     Parameters

@@ -94,7 +94,7 @@ class ColorScore(report.Report):
 
     @property
     def title(self) -> str:
-        """The subject: the detection of a colour."""
+        """The subject of the report: the detection of a colour."""
         return "Detection of a colour in other light and noise"
 
     @property
@@ -161,9 +161,9 @@ def score_color(
     """Score the robustness of a colour's detection against changed light and noise.
 
     The colour counts as detected under two conditions. Each region contains the centroid of a blob
-    of a third to three times its area; no other blob has such an area. The image is made darker and
-    brighter. It gets a shadow with an edge through the first region. It gets camera noise, in the
-    light and in the shadow.
+    whose area is a third to three times the region's area; no other blob has such an area. The
+    image is made darker and brighter. It gets a shadow with an edge through the first region. It
+    gets camera noise, in the light and in the shadow.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def score_color(
     Returns
     -------
     ColorScore
-        The detection rates, and the margin with the highest one.
+        The detection rates, and the margin with the highest rate.
 
     Raises
     ------

@@ -50,7 +50,7 @@ def explain_missed(missed: Sequence[MissedDetections], steps: int) -> str | None
 
 
 class SmallMarkersWarning(UserWarning):
-    """Warning: the markers are too small in the frames for reliable poses at their noise.
+    """Warning: the markers are too small for reliable poses at the noise of the frames.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class SmallMarkersWarning(UserWarning):
 
     @property
     def signal_to_noise(self) -> float:
-        """The markers' expected ratio in good light; poses are reliable from 4 on."""
+        """Expected signal-to-noise ratio of the markers in good light, reliable from 4 on."""
         return expected_signal_to_noise(self.width, self.noise)
 
     @property

@@ -56,12 +56,12 @@ class TrainedColor(report.Report):
 
     @property
     def is_at_risk(self) -> bool:
-        """bool: the drift eats the margin: the same drift again would lose the colour."""
+        """bool: whether the same drift again would use up the margin and lose the colour."""
         return self.least_margin < self.drift
 
     @property
     def title(self) -> str:
-        """The subject: the training of a colour."""
+        """The subject of the report: the training of a colour."""
         return "Training of a colour"
 
     @property
@@ -113,7 +113,7 @@ class TrainedColor(report.Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The frame of the smallest margin, if the drift eats it, and the frames left out."""
+        """The frame of the smallest margin, if the drift uses it up, and the omitted frames."""
         remarks = []
         if self.is_at_risk:
             worst = self.frames[self.margins.argmin()]

@@ -109,7 +109,8 @@ def train_markers(
     """Train the colours of both markers on a recording of the driving robot.
 
     The robot is located in each frame, and the colours are trained on the inner part of its
-    markers. So they are valid all along its path, in the light of the whole floor.
+    markers. So the colours are valid along the whole path of the robot, in the light of every part
+    of the floor.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def train_markers(
         The positions of the markers on the robot.
     colors : path, iterable of ColorClass, optional
         The initial colours, including the markers'. Default: the colours shipped with robsim.
-        Detections by the second chance, see `Detection`, are sufficient.
+        Detections by the second chance (see `Detection`) are sufficient.
     regions : dict of str to tuple of four ints, optional
         Instead of `colors`: the region of each marker colour, such as ``"red"`` and ``"blue"``, in
         the first frame (px).
@@ -130,7 +131,7 @@ def train_markers(
     -------
     tuple of TrainedColor
         The colours of both markers in the order of their roles, right before left, or front before
-        back. Each has its drift from frame to frame.
+        back. Each colour has its drift from frame to frame.
 
     Raises
     ------

@@ -86,9 +86,9 @@ class RobotDefinition(Value):
     ------
     TypeError, ValueError
         If an argument has the wrong type or shape or is out of range; the message names the
-        argument. Polygons must not intersect themselves. The centre and the markers must lie inside
-        the outline. The markers must not overlap, and their roles must be true after the rotation
-        by `alignment`.
+        argument. A polygon must not intersect itself. The centre and the markers must lie inside
+        the outline. The markers must not overlap, and their positions after the rotation by
+        `alignment` must match their roles.
     """
 
     name: str

@@ -122,8 +122,9 @@ def _read(folder: Path, file: str) -> RobotDefinition:
 def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     """Write a robot definition: a ``robot.toml`` with comments, and its image ``robot.png``.
 
-    An existing definition is replaced at once: even after a crash, the folder has the old or the
-    new one. The image is called ``robot-2.png`` if the old one is ``robot.png``.
+    An existing definition is replaced in a single operation: even after a crash, the folder has
+    either the old or the new definition. The image is called ``robot-2.png`` if the old one is
+    ``robot.png``.
 
     Parameters
     ----------

@@ -59,12 +59,13 @@ def robot_from_image(
     centre : array (2,), optional
         The robot's centre (image px). Default: the centroid of the outline.
     outline : array (N, 2), optional
-        Polygon around the robot (image px). Default: around the opaque pixels, which is the border
-        of an image without transparency.
+        Polygon around the robot (image px). Default: the outline of the opaque pixels, which is the
+        border of an image without transparency.
     markers : dict of str to array (N, 2), optional
         Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
-        each: around the largest blob of the colour, with the area and the centroid of the blob. The
-        roles of the markers follow from their positions when the robot faces right.
+        each marker: a polygon around the largest blob of the colour, with the area and the centroid
+        of the blob. The roles of the markers follow from their positions when the robot faces
+        right.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find the markers. Default: the colours shipped with robsim.
     marker_colors : sequence of 2 str, optional
@@ -78,8 +79,8 @@ def robot_from_image(
     Raises
     ------
     TypeError, ValueError
-        If `image` has another type or shape, a marker is not found, or the result is not a valid
-        robot definition.
+        If `image` has the wrong type or shape, a marker is not found, or the resulting robot is
+        invalid.
 
     Warns
     -----

@@ -219,9 +219,9 @@ def unknown_robot_error(robot: object, hint: str = "") -> ValueError:
 
 
 def set_default_robot(name: str) -> None:
-    """Choose the default robot: the robot of simulations without a name of one.
+    """Choose the default robot: the robot of simulations that name no robot.
 
-    The choice is stored for this user, until another choice or `reset_default_robot`.
+    The choice is stored for this user, until it is changed or `reset_default_robot` is called.
 
     Parameters
     ----------

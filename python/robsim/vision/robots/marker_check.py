@@ -40,7 +40,7 @@ def check_colors(
 ) -> CheckReport:
     """Check whether the camera finds a robot by its markers' colours.
 
-    The image is checked at its size on the work area, in the light and in the shadow.
+    The check uses the image at its size on the work area, in light and in shadow.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def check_colors(
     Returns
     -------
     CheckReport
-        `ok` if the robot is found; else its `sentences` give the reasons.
+        The report; `ok` is True if the robot is found, otherwise `sentences` gives the reasons.
 
     Raises
     ------

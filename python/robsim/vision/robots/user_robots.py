@@ -74,7 +74,7 @@ def add_robot(
         Its name: 1 to 40 letters of any language, digits, - and _; case does not matter.
     source : RobotDefinition, str or path
         A definition, the name of a robot, a folder with a ``robot.toml``, or an image file. Missing
-        arguments below come from it; from an image as by `robot_from_image`.
+        arguments below come from this source; for an image, `robot_from_image` derives them.
     size : float, optional
         Width of the image on the work area (px). Default for an image: 120.
     alignment : float, optional
@@ -83,7 +83,7 @@ def add_robot(
     centre : array (2,), optional
         The robot's centre (image px). Default for an image: the centroid of the outline.
     outline : array (N, 2), optional
-        Polygon around the robot (image px). Default for an image: around the opaque pixels.
+        Polygon around the robot (image px). Default for an image: the outline of the opaque pixels.
     markers : dict of str to array (N, 2), optional
         Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
         an image: the largest blobs of the colours. The roles of the markers follow from their

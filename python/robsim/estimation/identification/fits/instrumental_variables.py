@@ -40,16 +40,16 @@ def instrumental_variables(
 ) -> ModelFit:
     """Estimate the parameters of the robot model from measured poses by instruments.
 
-    Least squares is biased by the noise in its regressors. Here each regressor has an instrument:
-    the same quantity, simulated from the inputs with the current estimate, which is uncorrelated
-    with the noise. Samples and instruments are filtered so that the noise becomes white, and the
+    Least squares is biased by the noise in its regressors. Here each regressor has an instrument,
+    which is uncorrelated with the noise: the same quantity, simulated from the inputs with the
+    current estimate. Samples and instruments are filtered so that the noise becomes white, and the
     estimate is iterated. The fit uses the constraint a1 + a2 = 1, which holds for every robot.
-    Otherwise a parameter could fit noise: a drift of the measured path. Gaps cost samples,
-    since only consecutive poses are used; `output_error` bridges them.
+    Without this constraint, a parameter could fit noise, such as a drift of the measured path. Gaps
+    cost samples, since only consecutive poses are used; `output_error` bridges them.
 
-    With measurement noise alone there is asymptotically no bias. Under process noise the estimate
-    is farther off. The residuals of `output_error` show this, and the standard errors include it.
-    If process noise dominates, least squares is the better method.
+    With measurement noise alone there is asymptotically no bias. Process noise increases the errors
+    of the estimate. The residuals of `output_error` show the process noise, and the standard errors
+    include it. If process noise dominates, least squares is the better method.
 
     Parameters
     ----------

@@ -34,7 +34,8 @@ class ModelFit(Report):
     Attributes
     ----------
     theta : array (3, 5)
-        Rows X, Y, P (heading), columns a1, a2, b1, b2, d1. NaN = not determined by the run.
+        Rows X, Y, P (heading), columns a1, a2, b1, b2, d1. NaN = the run does not determine the
+        parameter.
     standard_errors : array (3, 5)
         Standard errors of theta, inf where theta is NaN: the `white_noise_errors` unless the
         residuals contradict these. Otherwise they include the estimated process noise or
@@ -55,8 +56,8 @@ class ModelFit(Report):
     measurement_correlation : array (3,)
         Correlation of the coloured part of the measurement noise from step to step; 0 = white.
     whiteness_p_value : float
-        Probability that residuals without process noise are as far from white. Below 0.05 they
-        contradict the `white_noise_errors`.
+        Probability that residuals without process noise are as far from white. A probability below
+        0.05 contradicts the `white_noise_errors`.
 
     Examples
     --------
@@ -82,7 +83,7 @@ class ModelFit(Report):
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """Which parameters the recording determines, (3, 5)."""
+        """Whether the recording determines each parameter, (3, 5)."""
         return np.asarray(np.isfinite(self.theta))
 
     @property

@@ -154,8 +154,9 @@ def output_error(
     between breaks; all of them are fitted together, so that the measured positions also inform the
     heading. The noise of the poses is not in the regressors: with measurement noise alone the
     estimate has asymptotically no bias and the minimum variance. Process noise moves all later
-    poses of the path. The estimate is then farther off. Its residuals show this, and the standard
-    errors include it. If process noise dominates, least squares is the better method.
+    poses of the path, which increases the errors of the estimate. The residuals show the process
+    noise, and the standard errors include it. If process noise dominates, least squares is the
+    better method.
 
     Parameters
     ----------
@@ -181,22 +182,24 @@ def output_error(
 
     Notes
     -----
-    Gauss-Newton with sensitivity filters, damped if necessary (Levenberg-Marquardt). From a poor
-    initial estimate it stalls. So the start comes from a grid of poles: for each pole the path is
-    linear in the other unknowns. x, y and heading are weighted by the residuals of the last
-    iteration. Source: Ljung, System Identification, 2nd edition 1999, 4.3 (output error models),
-    10.2.
+    The method is Gauss-Newton with sensitivity filters, damped if necessary (Levenberg-Marquardt).
+    From a poor initial estimate it stalls, so the initial estimate comes from a grid of poles: for
+    each pole the path is linear in the other unknowns. x, y and heading are weighted by the
+    residuals of the last iteration. Source: Ljung, System Identification, 2nd edition 1999, 4.3
+    (output error models), 10.2.
 
     An estimated delay maximises the likelihood, for normal errors of the poses: the parameters fit
     best with this delay. The standard errors of the parameters then include the uncertainty of the
     delay.
 
     The variances of process noise and measurement noise maximise the restricted likelihood of the
-    residuals: Patterson and Thompson, Recovery of inter-block information when block sizes are
-    unequal, Biometrika 58(3), 1971. The likelihood ratio tests for process noise. Its distribution
-    at variances of 0: Self and Liang, Asymptotic properties of maximum likelihood estimators and
-    likelihood ratio tests under nonstandard conditions, JASA 82(398), 1987. A correlation of
-    neighbouring errors of the poses replaces process noise if it is more likely.
+    residuals. Source: Patterson and Thompson, Recovery of inter-block information when block sizes
+    are unequal, Biometrika 58(3), 1971. The likelihood ratio is the test statistic for process
+    noise. Source of its distribution at variances of 0: Self and Liang, Asymptotic properties of
+    maximum likelihood estimators and likelihood ratio tests under nonstandard conditions, JASA
+    82(398),
+    1987. A correlation of neighbouring errors of the poses replaces process noise if it is more
+    likely.
 
     Examples
     --------
