@@ -74,9 +74,9 @@ void bind_limits(py::module_& module) {
   Class<Limits> limits(public_in(module, "robsim.lab"), "Limits", R"(
 Limits of the inputs of a robot's motors.
 
-Both motors are scaled by one factor, so that the robot drives the same curve more slowly. Separate
-limits would change the curve. The change from one input to the next is
-scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes immediately.
+Both inputs are scaled by the same factor, so that the robot drives the same curve more slowly.
+Separate limits would change the curve. The change from one input to the next is scaled in the same
+way. Stopping is never slowed down: an input of 0, 0 passes immediately.
 
 Parameters
 ----------
@@ -292,10 +292,10 @@ ValueError
 
   Class<MotorReceiver, ReceivedInput, std::shared_ptr<MotorReceiver>>(
       public_in(module, "robsim.lab"), "MotorReceiver", R"(
-The robot's end of a line: reads inputs as PROTOCOL.md requires of a robot, in a separate thread.
+The robot's end of a line, which reads inputs by the protocol of PROTOCOL.md in a separate thread.
 
-It replaces a robot in rehearsals and tests. It stops if it receives no valid line for the time to
-live set by the sender.
+The receiver replaces a robot in rehearsals and tests. It stops the motors if it receives no valid
+line within the time to live set by the sender.
 
 Parameters
 ----------

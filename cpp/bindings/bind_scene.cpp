@@ -154,7 +154,7 @@ out : array (H, W, 3) of uint8, optional
 Returns
 -------
 array (H, W, 3) of uint8
-    `out`, if it was given. Otherwise a read-only image, unchanged while you hold it.
+    `out`, if given. Otherwise a read-only image, which stays unchanged while you hold a reference.
 
 Raises
 ------

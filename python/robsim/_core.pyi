@@ -730,7 +730,7 @@ class Renderer:
         Returns
         -------
         array (H, W, 3) of uint8
-            `out`, if it was given. Otherwise a read-only image, unchanged while you hold it.
+            `out`, if given. Otherwise a read-only image, which stays unchanged while you hold a reference.
         
         Raises
         ------
@@ -1900,9 +1900,9 @@ class Limits:
     """
     Limits of the inputs of a robot's motors.
     
-    Both motors are scaled by one factor, so that the robot drives the same curve more slowly. Separate
-    limits would change the curve. The change from one input to the next is
-    scaled in the same way. Stopping is never slowed down: an input of 0, 0 passes immediately.
+    Both inputs are scaled by the same factor, so that the robot drives the same curve more slowly.
+    Separate limits would change the curve. The change from one input to the next is scaled in the same
+    way. Stopping is never slowed down: an input of 0, 0 passes immediately.
     
     Parameters
     ----------
@@ -2114,10 +2114,10 @@ class ReceivedInput:
         """
 class MotorReceiver(ReceivedInput):
     """
-    The robot's end of a line: reads inputs as PROTOCOL.md requires of a robot, in a separate thread.
+    The robot's end of a line, which reads inputs by the protocol of PROTOCOL.md in a separate thread.
     
-    It replaces a robot in rehearsals and tests. It stops if it receives no valid line for the time to
-    live set by the sender.
+    The receiver replaces a robot in rehearsals and tests. It stops the motors if it receives no valid
+    line within the time to live set by the sender.
     
     Parameters
     ----------

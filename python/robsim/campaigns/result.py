@@ -110,7 +110,7 @@ _MOST_CASES, _MOST_METRICS = 12, 8  # whose means are shown with the result itse
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CampaignResult(Report):
-    """The runs of a campaign: a row for each, in the order cases x runs.
+    """The runs of a campaign, with a row for each run in the order cases x runs.
 
     ``result["tracking_rmse_xy"]`` is a column: an array with a number for each row.
 
@@ -157,9 +157,9 @@ class CampaignResult(Report):
 
     @property
     def checksum(self) -> str:
-        """SHA-256 of all numbers with the names of their columns; the same for equal numbers.
+        """SHA-256 of all numbers and their column names, equal for equal numbers.
 
-        It excludes times and texts of errors, and includes failed runs.
+        The checksum includes failed runs, but not the times and the texts of errors.
         """
         content = hashlib.sha256(self.failed.tobytes())
         for name in sorted(self.metrics):
@@ -176,7 +176,7 @@ class CampaignResult(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Numbers of runs and failed runs, and their time."""
+        """The numbers of runs and failed runs, and the time of the runs."""
         failed = int(self.failed.sum())
         return (
             Quantity("cases", "cases", len(self.spec.cases)),
@@ -235,9 +235,9 @@ class CampaignResult(Report):
         Returns
         -------
         CampaignSummary
-            For each metric the mean of each group with its interval. Also the difference to the
-            first group, run by run, with its interval, and the number of further runs that would
-            decide it.
+            For each metric, the mean of each group with its interval. For the difference to the
+            first group, run by run, its mean, its interval, and the number of further runs that
+            would decide it.
 
         Raises
         ------
@@ -285,7 +285,8 @@ class CampaignResult(Report):
         Returns
         -------
         Trace
-            The campaign's trace, unless a callback depends on more than the run.
+            The trace of the campaign's run; it may differ if a callback depends on more than the
+            run.
 
         Raises
         ------
@@ -374,8 +375,8 @@ class CampaignResult(Report):
     def to_npz(self, folder: str | PathLike[str]) -> None:
         """Write a file for each case into a folder: ``case_000.npz`` and so on.
 
-        ``numpy.load`` reads them, without pickle. A file has an array for each of `columns`: with a
-        number for each run, and one label for each option. Texts of successful runs are "".
+        ``numpy.load`` reads them, without pickle. A file has an array for each of `columns`: a
+        number for each run, or one label for an option. Texts of successful runs are "".
 
         Parameters
         ----------

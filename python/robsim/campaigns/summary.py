@@ -25,10 +25,10 @@ _WIDEST = 12  # label of a group, in letters, that stands at the head of a colum
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CampaignSummary(Report):
-    """Means over the runs of each group of cases, and their differences to the first group.
+    """Means over the runs of each group of cases, and the differences to the first group.
 
-    A run counts if the number is known in all cases of the group. These are averaged first, so that
-    there is one number for each run, and the runs are independent.
+    A run counts if its number is known in all cases of the group. The numbers of these cases are
+    averaged first. So each run has one number, and the runs are independent.
 
     Attributes
     ----------
@@ -61,11 +61,12 @@ class CampaignSummary(Report):
 
     Notes
     -----
-    The intervals are Student's t intervals for the mean of independent numbers: for a mean over
-    dozens of runs, and of numbers without far outliers. The intervals of differences are narrower
-    than the means' own suggest, as the runs of all cases have the same seeds. They hold for one
-    comparison: of twenty, one is expected outside its interval of 95 %. Adding runs until an
-    interval excludes 0 finds differences that do not exist.
+    The intervals are Student's t intervals for the mean of independent numbers. They hold for means
+    over dozens of runs, and for numbers without far outliers. The intervals of differences are
+    narrower than the intervals of the means suggest, since the runs of all cases have the same
+    seeds. Each interval holds for a single comparison: of twenty differences, one is expected
+    outside its 95 % interval. Adding runs until an interval excludes 0 finds differences that do
+    not exist.
     """
 
     by: tuple[str, ...]
@@ -128,7 +129,7 @@ class CampaignSummary(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The kind of comparison, and missing values."""
+        """The kind of comparison, and the missing values."""
         remarks = []
         if len(self.groups) > 1 and self.metrics:
             remarks.append("differences compare runs with the same seed")

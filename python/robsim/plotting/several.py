@@ -45,8 +45,8 @@ def plot_runs(
     slots : str or sequence of str, optional
         The slots in which the runs differ, which select the error: ``"estimate_state"`` the
         estimated poses, ``"measure"`` the measured ones, ``"estimate_parameters"`` the parameters,
-        ``"control"`` the distance from `goals`. Default: with `goals` ``"control"``, else the first
-        of these three with values in all runs.
+        ``"control"`` the distance from `goals`. Default: ``"control"`` if `goals` is given,
+        otherwise the first of the other three slots with values in all runs.
 
     Returns
     -------

@@ -22,7 +22,7 @@ _READ = {"rad": ("deg", math.degrees(1.0))}
 def percent(fraction: float, decimals: int = 1) -> str:
     """Return a fraction as a text such as ``"75.0 %"``.
 
-    Only 0 is shown as 0 %, and only 1 as 100 %: values close to them get more decimals.
+    Only 0 is shown as 0 %, and only 1 as 100 %: values close to these limits get more decimals.
 
     Parameters
     ----------

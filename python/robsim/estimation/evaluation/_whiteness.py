@@ -144,11 +144,11 @@ def whiteness(
     innovation : array (N, n) or (M, N, n)
         N steps, or M independent runs of N steps; NaN = not seen: such a step belongs to no pair.
     S : array (n, n) or (..., N, n, n), optional
-        The innovation covariance. With it the n components are decorrelated first.
+        The innovation covariance. If it is given, the n components are decorrelated first.
     lags : int, optional
         Maximum lag (steps). Default: a tenth of the number of known steps, at most 10, and at most
-        a quarter of a run. With more, a white innovation fails more often than in 5 %: in 9 %
-        with 20 lags in 60 steps.
+        a quarter of a run. With more lags, a white innovation fails in more than 5 % of the cases:
+        in 9 % with 20 lags in 60 steps.
 
     Returns
     -------
@@ -167,7 +167,7 @@ def whiteness(
         r_k = mean of w(t) w(t+k) / mean of w(t)^2
         Q   = (N + 2)/N sum_k m_k r_k^2,  chi2(lags) distributed if w is white
 
-    Without gaps this is the statistic of Ljung and Box, On a measure of lack of fit in time series
+    Without gaps, Q is the statistic of Ljung and Box, On a measure of lack of fit in time series
     models, Biometrika 65(2), 1978. The number of lags follows Hyndman and Athanasopoulos,
     Forecasting: Principles and Practice, 5.4, 2021, but with a tenth instead of their fifth.
 

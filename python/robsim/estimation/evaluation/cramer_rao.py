@@ -166,14 +166,15 @@ def posterior_cramer_rao_bound(
 
     Notes
     -----
-    The recursion for the information J of Tichavsky, Muravchik and Nehorai, Posterior Cramér-Rao
-    bounds for discrete-time nonlinear filtering, IEEE Trans. Signal Processing 46(5), 1998, for
-    additive Gaussian noise, with the expectations replaced by the values along one trajectory::
+    The recursion for the information J comes from Tichavsky, Muravchik and Nehorai, Posterior
+    Cramér-Rao bounds for discrete-time nonlinear filtering, IEEE Trans. Signal Processing 46(5),
+    1998, for additive Gaussian noise, with the expectations replaced by the values along one
+    trajectory::
 
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
-    Here it is computed for P = J^-1, which allows a singular Q. For a linear system it is the
-    covariance of the Kalman filter; for others it is an approximation, no strict
+    The bound is computed as P = J^-1, which allows a singular Q. For a linear system, P is the
+    covariance of the Kalman filter. For other systems the result is an approximation, not a strict
     bound. Average over runs if the trajectories differ much.
 
     Examples
@@ -245,8 +246,8 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Parameters
     ----------
     trace : Trace
-        The run, without a bounce. In a tracked run only the steps with a measurement count as
-        measured, otherwise all.
+        The run, without a bounce. If the run measured the pose, only the steps with a measurement
+        count as measured, otherwise all steps.
     Q : array (3, 3)
         Covariance of the process noise of the pose in each step; 0 for a run without process noise.
     R : array (3, 3)
@@ -264,11 +265,11 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Raises
     ------
     TypeError, ValueError
-        If the trace has no truth, or has a bounce, or the shapes do not fit.
+        If the trace has no truth or has a bounce, or if the shapes do not match.
 
     Notes
     -----
-    The state is (pose(k), pose(k-1)), the model is `RobotModel` with the true parameters; see
+    The state is (pose(k), pose(k-1)), and the model is `RobotModel` with the true parameters; see
     `posterior_cramer_rao_bound`. The model is nonlinear, so the bound holds only along this path.
 
     Examples

@@ -70,7 +70,7 @@ def calibrate_floor(
     lens : Calibration, optional
         The result of `calibrate_lens`. Default: the lens does not distort.
     size : tuple of int, optional
-        Width and height of the frames (px). Default: the size of `picture` or `lens`.
+        Width and height of the frames (px). Default: the frame size of `picture` or `lens`.
     names : sequence of str, optional
         Names of the marks; marks with the same name are averaged. Default: their numbers, from 1.
     picture : Frame or array (H, W, 3) of uint8, optional
@@ -79,13 +79,13 @@ def calibrate_floor(
     Returns
     -------
     FloorCalibration
-        The calibration, and the fit of each mark. With six or more marks (five with a lens), a
-        mark that fits far worse than the others is left out and named.
+        The calibration, and the fit of each mark. With six or more marks (five with a lens), a mark
+        with a far worse fit than the others is omitted, and the report names this mark.
 
     Raises
     ------
     ImportError
-        If there is a picture, and OpenCV is not installed.
+        If a picture is given, and OpenCV is not installed.
     TypeError, ValueError
         If an argument has the wrong type or shape, or too many marks lie on a line. Also if their
         order belongs to a mirrored floor.
@@ -149,8 +149,9 @@ def calibrate_floor_by_sheets(
         Side of a mark on the sheets, measured on the print (mm).
     places : mapping of int to tuple of float, optional
         Position of a sheet's cross from the top left corner of the work area (mm), by number.
-        Two or more positions determine the area's axes; with one, the axes are the sheet's.
-        Default: the sheet with the lowest number lies in the middle of the area, in its axes.
+        Two or more positions determine the area's axes; with a single position, the area has the
+        axes of its sheet. By default, the sheet with the lowest number lies in the middle of the
+        area, and has the area's axes.
 
     Returns
     -------
@@ -162,8 +163,8 @@ def calibrate_floor_by_sheets(
     ImportError
         If OpenCV is not installed.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range, or the pictures have different
-        sizes. Also if they show no sheet, or not the sheets in `places`.
+        If an argument has the wrong type or is out of range, or the pictures have different sizes.
+        If the pictures show no sheet, or not the sheets in `places`.
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     check_size("area", area)

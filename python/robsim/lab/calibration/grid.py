@@ -31,8 +31,8 @@ def draw_grid(
 ) -> Pixels:
     """Return a picture with the grid of the work area drawn on it.
 
-    Yellow lines lie on the floor, with numbers; blue lines, if any, are at the markers' height.
-    On the floor, tiles and marks must lie on the yellow lines.
+    Yellow lines with numbers lie on the floor; blue lines, if any, are at the markers' height.
+    Tiles and marks on the floor must match the yellow lines.
 
     Parameters
     ----------
@@ -205,8 +205,8 @@ def mark_middles(sheets: Mapping[int, Corners], mark: float) -> dict[int, tuple[
 def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, float]:
     """Return the distance of floor sheets from their positions during a calibration.
 
-    A sheet that stays beside the robot's area reveals whether the camera was moved, turned or
-    zoomed since.
+    A sheet that stays next to the robot's area reveals whether the camera was moved, turned or
+    zoomed since the calibration.
 
     Parameters
     ----------
@@ -219,14 +219,14 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
     -------
     dict of int to float
         The median distance of a sheet's marks from their calibrated positions (frame px), by sheet
-        number. Only visible sheets that the calibration used.
+        number. The dict has only visible sheets that the calibration used.
 
     Raises
     ------
     ImportError
         If OpenCV is not installed.
     TypeError, ValueError
-        If an argument has the wrong type, or the picture another size.
+        If an argument has the wrong type, or the picture has another size.
     """
     check_kind("calibration", calibration, Calibration)
     pixels = frame_pixels("image", image)

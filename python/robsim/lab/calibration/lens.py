@@ -106,7 +106,7 @@ def calibrate_lens(
     Notes
     -----
     Source: Z. Zhang, A flexible new technique for camera calibration, IEEE Transactions on Pattern
-    Analysis and Machine Intelligence 22(11), 2000; by OpenCV, with two radial and two tangential
+    Analysis and Machine Intelligence 22(11), 2000. OpenCV computes two radial and two tangential
     coefficients, and a third radial coefficient if the pictures determine it.
     """
     cv2 = load_opencv("calibrating a lens")

@@ -117,7 +117,7 @@ class LensCalibration(Report):
 
     @property
     def empty_parts(self) -> tuple[str, ...]:
-        """Parts of the picture without corners: ``"top left"``, ... ``"bottom right"``."""
+        """Parts of the picture without corners: ``"top left"`` and so on to ``"bottom right"``."""
         return parts_without(self.coverage)
 
     @property

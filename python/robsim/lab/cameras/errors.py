@@ -10,7 +10,7 @@ from robsim.base.text import cut
 class CaptureError(OSError):
     """A camera cannot be opened or read; the message has the remedy.
 
-    Each kind has a class that derives from this one.
+    Each kind of error has a class that derives from this class.
 
     Parameters
     ----------

@@ -17,14 +17,14 @@ _PAIRS = ("white_balance",)
 class CameraFeatures:
     """A camera's exposure and colour settings.
 
-    A number is the value of a feature. ``"auto"`` lets the camera choose continuously, so colours
-    may drift. None keeps the camera's current value fixed. The available features and their limits
-    depend on the camera: an error names them.
+    A number sets the value of a feature. ``"auto"`` lets the camera choose continuously, so colours
+    may drift. None keeps the camera's current value constant. The available features and their
+    limits depend on the camera; the error for an invalid value lists them.
 
     Parameters
     ----------
     shutter : float, "auto" or None
-        Exposure time (s). A short time keeps a moving robot sharp.
+        Exposure time (s). A short exposure keeps the picture of a moving robot sharp.
     gain : float, "auto" or None
         Amplification (dB). A high gain adds noise.
     white_balance : pair of float, "auto" or None

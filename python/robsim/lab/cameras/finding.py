@@ -46,18 +46,18 @@ class CameraReport(Report):
 
     @property
     def verdict(self) -> str:
-        """The number of cameras, in a word or two."""
+        """The number of cameras that were found, in a word or two."""
         count = sum(line.startswith("camera ") for line in self.found)
         return f"{count} found" if count else "none found"
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Found cameras, then missing ones, one sentence each."""
+        """A sentence for each camera that was found, then one for each missing camera."""
         return (*self.found, *self.missing)
 
 
 def find_cameras(*, network: bool = False) -> CameraReport:
-    """Return the available cameras, and missing parts with reasons; no camera is opened.
+    """Return the available cameras, and missing parts with reasons, without opening any camera.
 
     Parameters
     ----------

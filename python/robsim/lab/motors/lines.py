@@ -56,7 +56,7 @@ def _stop_all() -> None:
 
 
 class SerialMotors(LineMotors):
-    """Motors of a robot at a serial line: call the object to send inputs.
+    """Motors of a robot on a serial line: call the object to send inputs.
 
     A native thread repeats the newest input and stops the robot, even without the interpreter. The
     robot stops automatically after `ttl` without a message. `stop`, `close`, the end of a ``with``

@@ -67,7 +67,7 @@ class RecordedMotors(Closing):
 
     @property
     def inputs(self) -> Floats:
-        """Array (N, 2): the recorded inputs (V), stops as 0, 0."""
+        """Array (N, 2): the recorded inputs (V); a stop is recorded as 0, 0."""
         return np.array([sent[1:] for sent in self._sent]).reshape(-1, 2)
 
     @property

@@ -118,7 +118,7 @@ def check_camera(
 ) -> CameraCheck:
     """Observe a camera for some seconds, and judge whether it can guide a robot.
 
-    The robot stands somewhere in the picture, and does not drive: `motors` only receive a stop.
+    The robot may stand anywhere in the picture, and does not move: `motors` receive only a stop.
 
     Parameters
     ----------
@@ -134,11 +134,12 @@ def check_camera(
     Returns
     -------
     CameraCheck
-        Rate, jitter and losses of the frames, and exposure. Size, contrast and colours of the
-        markers. Noise (standard deviation of a channel in grey levels, unless compression smooths
-        it), and the resulting signal-to-noise figure of the markers, see `Measurement`. Share of
-        frames with a detected robot, and scatter of its pose. Whether the calibration fits the
-        robot and its floor sheets. Latency. Each finding has a verdict and a remedy.
+        The report covers the rate, jitter, losses, exposure and latency of the frames, and the
+        size, contrast and colours of the markers. It gives the noise (standard deviation of a
+        channel in grey levels, unless compression smooths it) and the markers' signal-to-noise
+        ratio, see `Measurement`. The share of frames with a detected robot and the scatter of its
+        pose follow. The calibration is checked against the robot and its floor sheets. Each finding
+        has a verdict and a remedy.
 
     Raises
     ------

@@ -14,29 +14,29 @@ from robsim.base.text import quoted
 class CameraFaults:
     """The faults of a simulated camera.
 
-    The fate of a tick's frame depends only on the scenario's seed and the tick.
-    Times count from the start of the world (s); it starts when the camera is first opened.
+    The faults of a frame depend only on the scenario's seed and the number of the tick. Times count
+    from the start of the world (s). The world starts when the camera is first opened.
 
     Parameters
     ----------
     late : float
-        Probability that a frame comes `late_by` too late. Later frames wait.
+        Probability that a frame is delayed by `late_by`. Later frames wait.
     late_by : float
         Delay of late frames (s).
     dropped : float
         Probability that a frame is lost.
     repeated : float
-        Probability that the previous picture is sent again, with a new number and time. Real
-        cameras do this, too: the frame shows an old position without notice.
+        Probability that the previous picture is sent again, with a new number and time. This fault
+        also occurs in real cameras: the frame shows an old position without any sign.
     torn : float
         Probability that the lower part of a frame is from the previous frame, or black. A camera
-        knows that such a frame is incomplete: `robsim.Camera` counts and discards it.
+        reports that such a frame is incomplete: `robsim.Camera` counts and discards the frame.
     stall : tuple of float, optional
         Start and duration of a silence (s).
     unplug : tuple of float, optional
         Start and duration of a disconnection (s): the camera fails, and cannot be opened.
     drift : float
-        Amplitude of the slow change of exposure, relative to the correct exposure, 0..1.
+        Amplitude of a slow change of the exposure, relative to the correct exposure, 0..1.
     drift_period : float
         Its period (s).
 

@@ -30,8 +30,8 @@ class SimulatedLab(Closing):
 
     ``robsim.Camera(lab)`` is its camera, which exposes `fps` times per second. Its robot receives
     commands at `address`, like a real robot. The world starts when the camera is first opened, and
-    runs, with or without a reading camera, until the lab is closed. Native threads do the work: a
-    callback that keeps the interpreter does not delay the world.
+    runs until the lab is closed, even if no camera reads frames. Native threads run the world, so a
+    callback that blocks the interpreter does not delay it.
 
     Parameters
     ----------
@@ -47,11 +47,12 @@ class SimulatedLab(Closing):
         Distortion of the camera's lens. Default: none.
     plane_map : PlaneMap, optional
         The camera's view: the map of its frames, before the distortion by `lens`, to the work area,
-        such as from `PlaneMap.from_points`. A map with intrinsics includes a lens. Pixels outside
-        of the work area are grey. Default: from above, the whole area.
+        such as from `PlaneMap.from_points`. A map with intrinsics includes the distortion of a
+        lens. Pixels outside of the work area are grey. Default: the whole area, seen from above.
     robot_height : float
-        Height of the robot's top, with its markers, above the floor (work-area px); above 0,
-        `plane_map` must have intrinsics. The camera only sees the top, not the robot's sides.
+        Height of the robot's top, with its markers, above the floor (work-area px). A height above
+        0 requires a `plane_map` with intrinsics. The camera sees only the robot's top, not its
+        sides.
     camera_delay : float
         Delay of a frame after its exposure (s).
     receiver : MotorReceiver, optional
@@ -78,9 +79,9 @@ class SimulatedLab(Closing):
 
     Notes
     -----
-    The input of a step is the mean input of the robot since the last step. Camera noise follows
-    its optics, process noise is added in each step. A computer that is too slow for the rate loses
-    frames (`skipped_frames`), but the world keeps real time.
+    The input of a step is the mean input of the robot since the previous step. Camera noise is
+    added after the optics, and process noise in each step. A computer that is too slow for the rate
+    loses frames (`skipped_frames`), but the world keeps real time.
 
     Examples
     --------
@@ -198,7 +199,7 @@ class SimulatedLab(Closing):
         return self._laboratory.skipped
 
     def stall(self, seconds: float) -> None:
-        """Silence the camera for a while; any thread may call this.
+        """Stop the camera's frames for a while; any thread may call this method.
 
         Parameters
         ----------

@@ -29,8 +29,8 @@ class LabTruth:
         Pose of the robot: x, y (work-area px), heading (rad).
     last_u : array (N, 2)
         The mean input of the robot since the previous tick (V), before process
-        noise. It has moved the robot here: ``pose[i] = model.predict(pose[i-1], pose[i-2],
-        last_u[i])``.
+        noise. This input caused the pose of the tick:
+        ``pose[i] = model.predict(pose[i-1], pose[i-2], last_u[i])``.
     hidden : array (N,) of bool
         Whether something hid the robot from the camera.
     shown : array (N,) of int
@@ -75,7 +75,7 @@ class LabTruth:
         TypeError
             If `frame` is not a Frame.
         ValueError
-            If it has no time, or a time outside of these ticks.
+            If the frame has no time, or a time outside of these ticks.
         """
         check_kind("frame", frame, Frame)
         if frame.t is None or frame.epoch is None:
@@ -92,7 +92,8 @@ class LabTruth:
         Parameters
         ----------
         frame : Frame
-            The frame, as for `tick_of`. A repeated frame shows another pose, at tick ``shown``.
+            The frame, as for `tick_of`. A repeated frame shows an earlier pose, at the tick
+            ``shown``.
 
         Returns
         -------

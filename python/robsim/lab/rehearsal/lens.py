@@ -14,11 +14,11 @@ from robsim.base.checks import Floats, check_float, check_size
 
 @dataclass(frozen=True)
 class Lens:
-    """A lens that distorts radially, about the centre of the frame.
+    """A lens with radial distortion about the centre of the frame.
 
-    In an ideal picture, a point has the distance r from the centre, in halves of the frame's
-    diagonal. This lens moves the point to r (1 + k1 r^2 + k2 r^4): with k1 = -0.04 the corners move
-    in by 4 %.
+    Let r be the distance of a point from the centre in an ideal picture, as a fraction of half the
+    frame's diagonal. This lens moves the point to the distance r (1 + k1 r^2 + k2 r^4): a k1 of
+    -0.04 moves the corners in by 4 %.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ class Lens:
         Raises
         ------
         TypeError, ValueError
-            If an argument has another type or shape, or the lens would fold such frames over.
+            If an argument has the wrong type or shape, or the lens would fold such frames over.
         """
         return self._before(size).distorted(pixels)
 
     def ideal(self, pixels: ArrayLike, size: tuple[int, int]) -> Floats:
-        """Return where an ideal lens would show what frames show at these pixels.
+        """Return the pixels at which an ideal lens would show the points at these frame pixels.
 
         Parameters
         ----------
@@ -90,7 +90,7 @@ class Lens:
         Raises
         ------
         TypeError, ValueError
-            If an argument has another type or shape, or the lens would fold such frames over.
+            If an argument has the wrong type or shape, or the lens would fold such frames over.
         """
         return self._before(size).ideal(pixels)
 

@@ -30,9 +30,10 @@ def plot_campaign(
 ) -> Axes:
     """Draw a number of a campaign.
 
-    With `over`, the chart shows its mean over the values of an option, with the band of its 95 %
-    confidence interval. Each combination of the other options has a line. Without `over`, each case
-    has a box with the median and the quartiles; grey lines join the runs with the same seed.
+    With `over`, the chart shows the mean of the number against the values of an option, with a band
+    for the 95 % confidence interval. Each combination of the other options has a line. Without
+    `over`, each case has a box with the median and the quartiles; grey lines join the runs with the
+    same seed.
 
     Parameters
     ----------

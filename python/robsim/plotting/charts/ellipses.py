@@ -35,10 +35,10 @@ def plot_ellipses(
 ) -> Axes:
     """Draw the covariance of the estimated position as ellipses along the path.
 
-    The true position should lie in its ellipse in 95 % of the steps; an ellipse that misses it is
-    red. Ellipses are often too small to be visible along a path, so they can be magnified: the
-    paths stay unchanged, and the colour refers to the true size. Huge ellipses, such as of a robot
-    not seen yet, are omitted.
+    In 95 % of the steps, the true position should lie in the ellipse; an ellipse without the true
+    position is red. Ellipses are often too small to be visible along a path, so they can be
+    magnified: the paths stay unchanged, and the colour refers to the true size. Huge ellipses, such
+    as those before the robot is first seen, are omitted.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def plot_ellipses(
     level : float
         Probability that the true position lies in its ellipse.
     magnify : float, optional
-        Magnification of the ellipses. Default: a factor that makes them visible.
+        Magnification of the ellipses. Default: a factor that makes the ellipses visible.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in. Default: a new figure of 7 x 7 inches.
 
@@ -205,8 +205,9 @@ def _finish(ax: Axes, unit: str) -> None:
 def plot_consistency(report: ConsistencyReport, *, ax: Axes | None = None) -> Axes:
     """Draw the NEES or the NIS over the steps with its chi-square band.
 
-    The axis is logarithmic, since the values of an inconsistent filter may be off by orders of
-    magnitude. Above the band the filter is optimistic, below it conservative.
+    The axis is logarithmic, since the values of an inconsistent filter may be wrong by orders of
+    magnitude. A filter with values above the band is optimistic, and a filter with values below the
+    band is conservative.
 
     Parameters
     ----------

@@ -64,8 +64,8 @@ def draw_overlay(
     blobs : dict of str to sequence of Blob, optional
         The blobs of each colour, as from `robsim.find_blobs`: each gets its bounding box.
     outline : array_like (N, 2), optional
-        Outline of the robot in its own axes, x forward and y to the right (work-area px). It is
-        drawn at the measured and at the estimated pose.
+        Outline of the robot in its own axes, x forward and y to the right (work-area px). The
+        outline is drawn at the measured pose and at the estimated pose.
     path : array_like (N, 2), optional
         The positions measured up to now (work-area px), drawn as a green line. NaN breaks it.
     estimate : Estimate, optional

@@ -24,7 +24,7 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
 
     The geometry is the outline, both marker polygons with the distance of their centroids, the
     centre, and an arrow. The arrow is the driving direction at equal wheel speeds. The axes are in
-    pixels of the image, the lengths on it in work-area px.
+    pixels of the image; the displayed lengths are in work-area px.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ _MOST_NOTES = 8
 
 @dataclass(frozen=True)
 class FailedCallback:
-    """Origin of a callback's exception, as its attribute ``callback``.
+    """The origin of a callback's exception, stored in the exception's attribute ``callback``.
 
     Attributes
     ----------

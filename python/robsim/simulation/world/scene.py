@@ -68,7 +68,7 @@ if hasattr(os, "register_at_fork"):
 def draw_red_square(background: Pixels) -> Pixels:
     """Draw a red square near the top: the default of the slot ``adjust_background``.
 
-    It is larger than the robot's red marker; vision must not mistake it for the marker.
+    The square is larger than the robot's red marker; the vision must not confuse the two.
 
     Parameters
     ----------

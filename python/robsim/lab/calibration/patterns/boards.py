@@ -266,7 +266,7 @@ class Charuco:
         return black
 
     def find(self, image: Pixels) -> Corners | None:
-        """Return at least six corners in an RGB picture; None if there are fewer.
+        """Return the corners found in an RGB picture; None for fewer than six corners.
 
         Raises
         ------

@@ -110,7 +110,7 @@ _FEW = 12  # marks: a mirrored picture may show that many wrong ones
 
 @dataclass(frozen=True)
 class FloorSheet:
-    """Six large marks to lay on the floor; its axes point right and down, from its centre.
+    """A sheet with six large marks for the floor; its axes point right and down from its centre.
 
     Parameters
     ----------
