@@ -43,7 +43,7 @@ class SourceLine:
 
     @property
     def place(self) -> str:
-        """File and number, such as ``control.py:3``; in a running notebook ``line 3``."""
+        """File and line number, such as ``control.py:3``, or ``line 3`` in a running notebook."""
         if _is_cell(self.file):
             return f"line {self.number}"
         name = Path(self.file).name
@@ -51,7 +51,7 @@ class SourceLine:
 
     @property
     def is_users(self) -> bool:
-        """Whether it is the user's own code, and not that of robsim or of an installed package."""
+        """Whether the line is the user's own code, not code of robsim or an installed package."""
         return _is_users(self.file)
 
     def __str__(self) -> str:

@@ -133,11 +133,12 @@ def _panel_of(what: Shown) -> Panel | None:
 
 
 class Panel(HostedPanel):
-    """The panel of a run; `robsim.panel` makes it.
+    """The panel of a run; `robsim.panel` opens this panel.
 
-    Its methods do the same as its buttons, and return after completion, between two steps. After
-    `pause` you may look at the simulation and set its callbacks. Any thread may call them, and read
-    `trace` during the run. A context closes the panel at its end.
+    The methods have the same effects as the buttons, and return when the command is complete,
+    between two steps. After `pause` you may look at the simulation and set its callbacks. Any
+    thread may call the methods, and read `trace` during the run. The end of a ``with`` block closes
+    the panel.
 
     Examples
     --------
@@ -184,7 +185,7 @@ class Panel(HostedPanel):
         Raises
         ------
         Exception
-            Any exception of a callback, like `Simulation.step`.
+            Any exception raised by a callback, as in `Simulation.step`.
         """
         self._do(self._view.driver.step())
         self._raise_error()
@@ -201,7 +202,7 @@ class Panel(HostedPanel):
         Raises
         ------
         Exception
-            Any exception of a callback.
+            Any exception raised by a callback.
         """
         self._do(self._view.driver.step_stage())
         self._raise_error()
@@ -254,12 +255,12 @@ class Panel(HostedPanel):
 
     @property
     def trace(self) -> Trace:
-        """All steps so far; the run may continue meanwhile."""
+        """All steps so far; the run may continue during this call."""
         return self._view.record.trace
 
     @property
     def tool(self) -> RobotPanel | ColorPanel | None:
-        """The open tool of the panel, after Define Robot or Train Camera."""
+        """The open tool of the panel, if Define Robot or Train Camera is active."""
         return self._view.tools.tool
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -23,21 +23,21 @@ from robsim.simulation import Scenario, Simulation
 
 
 def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
-    """Rerun a shared run, and return its panel, paused at the last step.
+    """Rerun a shared run, and return its panel, which is paused at the last step.
 
     Parameters
     ----------
     path : path
         A replay file, made by *Share* in a panel.
     trust : bool
-        Whether to run the Python code in the file, with your rights. Default: a file with code
+        Whether to run the Python code in the file, with your rights. By default, a file with code
         is refused before any of its code runs.
 
     Returns
     -------
     Panel
-        The panel; its run can continue. The callbacks' files are in a temporary folder, which
-        is removed with the panel.
+        The panel; its run can continue. The callbacks' files are in a temporary folder, which is
+        removed when the panel is closed.
 
     Raises
     ------

@@ -73,7 +73,7 @@ class GradingError(Exception):
 
 
 class SubmissionError(GradingError):
-    """The submission is at fault: it cannot be read or loaded, or it failed in a run."""
+    """The submission caused the failure: it cannot be read or loaded, or it failed in a run."""
 
     whose = "submission"
 
@@ -86,12 +86,12 @@ class SubmissionError(GradingError):
 
 
 class AssignmentError(GradingError):
-    """The assignment is at fault: a teacher's file, its key, its options."""
+    """The assignment is wrong: a file of the teacher, the key or an option."""
 
     whose = "assignment"
 
 
 class GraderError(GradingError):
-    """The grader or its machine is at fault, not the submission."""
+    """The grader or its machine caused the failure, not the submission."""
 
     whose = "grader"

@@ -88,7 +88,7 @@ class ScoreResult:
 
     @property
     def is_met(self) -> bool:
-        """Whether the score is within the limits of full points."""
+        """Whether the score is within the limits for full points."""
         is_small = self.low is not None and self.statistic < self.low
         return self.statistic <= self.limit and not is_small
 
@@ -120,7 +120,7 @@ class FailedRun:
 class TestResult:
     """A graded test of an assignment.
 
-    All texts are clean: without escapes and control characters, at most a page long.
+    All texts are clean: they have no escapes or control characters, and are at most a page long.
 
     Attributes
     ----------
@@ -129,9 +129,11 @@ class TestResult:
     number : str
         Its number, such as "3.1"; "" = without a number.
     public : bool
-        Whether students have it, too. Of hidden tests students see only points and `sentence`.
+        Whether students have it, too. Students see only the points and the `sentence` of hidden
+        tests.
     points, most : float
-        Its points in hundredths, and its maximum; rounding never yields all points or 0.
+        Its points, rounded to hundredths, and its maximum points. Rounding never yields full points
+        or 0.
     provisional : str
         The reason why the limits of its points are provisional; "" = exact limits.
     status : str
@@ -271,7 +273,7 @@ class SubmissionResult:
 
     @property
     def points(self) -> float:
-        """All its points, by tests and by hand, less the share of late days."""
+        """All points of the submission, by tests and by hand, minus the share of late days."""
         hand = self.by_hand
         points = self.points_of_tests if hand.points is None else hand.points
         points += sum(test.points for test in self.tests if test.by_hand)
@@ -284,7 +286,7 @@ class SubmissionResult:
 
     @property
     def points_of_tests(self) -> float:
-        """The points of its tests, without marks by hand."""
+        """The points of the tests, without points by hand."""
         return round(sum(test.points for test in self.tests if not test.by_hand), 2)
 
     @property
@@ -294,7 +296,7 @@ class SubmissionResult:
 
     @property
     def is_unread(self) -> bool:
-        """Whether reading failed, so that nothing ran: `notes` give the reason."""
+        """Whether reading failed, so that no test ran; `notes` gives the reason."""
         return self.is_done and not self.submission_digest and bool(self.notes)
 
     @property

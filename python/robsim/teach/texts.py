@@ -35,7 +35,7 @@ def clean_text(text: str, most: int = MOST_TEXT) -> str:
     """Return a student's text as harmless text, with escapes for invisible characters.
 
     The result is harmless in a terminal, XML 1.0 and JSON. HTML and Markdown have special
-    characters: escape or fence the text there. The function cuts the text first.
+    characters, so escape or fence the text there. The function cuts the text first.
 
     Parameters
     ----------

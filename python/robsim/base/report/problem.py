@@ -52,7 +52,7 @@ class Problem:
         return self.line.text if self.line else ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return name -> value, with the line as two texts: its place and its source."""
+        """Return the values by name in a dict, with the line as two texts: place and source."""
         return {
             "kind": self.kind,
             "sentence": self.sentence,

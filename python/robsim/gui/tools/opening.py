@@ -111,18 +111,18 @@ def floor_panel(
     """Open the panel that calibrates a camera's view of the floor.
 
     Place points on the picture with the mouse under a magnifying glass, and enter their positions
-    on the floor, or find printed sheets. The panel shows the quality of the fit at once.
+    on the floor, or find printed sheets. The panel shows the quality of the fit immediately.
 
     Parameters
     ----------
     what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        Source of the pictures. A path names a picture, a folder of pictures or a video. Default:
-        an example, a floor of tiles.
+        Source of the pictures. A path names a picture, a folder of pictures or a video. Default: an
+        example picture of a tiled floor.
     calibration : Calibration or path, optional
         Known lens, and optionally floor. Default: the calibration in `file`, if it exists.
     file : path, optional
-        Default file of Save. Default: the file of `calibration`, or ``camera.toml``; for the
-        example ``example.toml``.
+        Default file of Save. Default: the file of `calibration`, or ``camera.toml``, or
+        ``example.toml`` for the example.
 
     Returns
     -------
@@ -183,13 +183,13 @@ def robot_panel(
     robot: str | PathLike[str] | RobotDefinition | None = None,
     colors: str | PathLike[str] | Iterable[ColorClass] | None = None,
 ) -> RobotPanel:
-    """Open the panel that defines a robot: capture its picture, draw outline and markers, save.
+    """Open the panel that defines a robot: capture its picture, draw outline and markers, save it.
 
     Parameters
     ----------
     what : Camera, Recording, Simulation, Experiment, Frame, array or path, optional
-        Source of the picture. A path names a picture, a folder of pictures or a video. Default:
-        none; the drawing starts from an existing robot.
+        Source of the picture. A path names a picture, a folder of pictures or a video. By default
+        there is no source, and the drawing starts from an existing robot.
     robot : name, path or RobotDefinition, optional
         The robot to draw on. Default: the default robot.
     colors : path or iterable of ColorClass, optional

@@ -30,7 +30,7 @@ SECONDS = 540.0
 
 @dataclass(frozen=True, kw_only=True)
 class TaskTest:
-    """A test of an assignment: a task, run some times, and its points.
+    """A test of an assignment: a task, which is run several times, and its points.
 
     Attributes
     ----------
@@ -41,8 +41,8 @@ class TaskTest:
     points : float
         Its points.
     public : bool
-        Whether students get it: they see its numbers and pictures, and can run it. Its seeds come
-        from the public key, the same for all.
+        Whether students get it: they see its numbers and pictures, and can run it. The seeds of a
+        public test come from the public key, which is the same for all students.
     limits : mapping of str to ScoreLimit
         The limits of its scores, by name; empty before the calibration.
     stale : str
@@ -117,7 +117,7 @@ class LateRule:
 
 @dataclass(frozen=True, kw_only=True)
 class Assignment:
-    """The tests and rules of a grading: the content of a folder.
+    """The tests and the grading rules of an assignment, read from its folder.
 
     Attributes
     ----------
@@ -191,15 +191,15 @@ class Assignment:
 
     @property
     def all_tests(self) -> tuple[TaskTest | FileTests, ...]:
-        """The tests by tasks, and the teacher's own files, in the order of their runs."""
+        """The tests with tasks, then the teacher's own test files, in the order of execution."""
         return (*self.tests, *self.files)
 
     @property
     def files_of_all(self) -> Mapping[str, bytes]:
         """The files for submissions: the given files, and the module ``task``.
 
-        Here ``task`` has the values of the first test by a task. In each test, the grader gives
-        the values of that test instead.
+        Here the module ``task`` has the values of the first test with a task. During grading, each
+        test uses its own values.
         """
         task = {f"{MODULE}.py": module_source(test.task) for test in self.tests[:1]}
         return {**self.given_files, **task}

@@ -37,8 +37,8 @@ def calibrate_assignment(
 ) -> dict[str, TaskCalibration]:
     """Calibrate the limits of an assignment by its solutions, and write its ``limits.json``.
 
-    The folder keeps runs until exact limits are written: the same call continues a cancelled one,
-    and exact limits reuse the runs of provisional ones.
+    The folder keeps the runs until exact limits are written. So the same call continues a cancelled
+    calibration, and exact limits reuse the runs of provisional limits.
 
     Parameters
     ----------

@@ -41,12 +41,13 @@ def check_assignment(
     executor: int | str | Executor | DaskClient | None = None,
     progress: bool = True,
 ) -> CheckReport:
-    """Check whether an assignment is fit for grading: read it, and grade all known submissions.
+    """Check whether an assignment is ready for grading: read it, and grade known submissions.
 
-    Limits must fit its tasks and solutions, the sheet must name each slot, and the students' part
-    must have nothing hidden. Then a class is graded. Right solutions, one of them as a notebook,
-    must get all points, wrong ones fewer. Empty and hostile submissions must get no points: they
-    exit, hang, patch the scoring, or search memory for the truth. Grading must continue after each.
+    The limits must belong to the tasks and solutions, the sheet must name each slot, and the
+    students' files must not reveal hidden parts. Then a class is graded. Right solutions, one of
+    them as a notebook, must get full points, and wrong solutions fewer points. Empty and hostile
+    submissions must get no points: hostile submissions exit, hang, patch the scoring, or search the
+    memory for the truth. Grading must continue after each submission.
 
     Parameters
     ----------
@@ -69,9 +70,9 @@ def check_assignment(
 
     Notes
     -----
-    A right solution sometimes loses points (at the calibrated rate), and a wrong one sometimes
-    passes. So a submission with an unexpected result is graded twice more, with other seeds. It
-    is a problem if two of three results are unexpected.
+    A right solution sometimes loses points (at the calibrated rate), and a wrong solution sometimes
+    passes. So a submission with an unexpected result is graded two more times, with other seeds.
+    The report has a problem if two of three results are unexpected.
     """
     engine = engine_value(executor)
     assignment = load_assignment(folder)

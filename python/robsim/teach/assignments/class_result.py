@@ -50,7 +50,7 @@ class ClassResult(Report):
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """Mean and median of the points, and the number of students with all points."""
+        """Mean and median of the points, and the number of students with full points."""
         points = [result.points for result in self.results]
         most = max((result.most for result in self.results), default=0.0)
         full = sum(result.points >= result.most for result in self.results)
@@ -72,7 +72,7 @@ class ClassResult(Report):
 
     @property
     def remarks(self) -> Sequence[str]:
-        """Notes on provisional limits, and on submissions that failed to be graded or read."""
+        """Notes on provisional limits, and on submissions that could not be read or graded."""
         return tuple(self._remarks())
 
     def _remarks(self) -> Iterator[str]:

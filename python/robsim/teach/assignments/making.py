@@ -144,10 +144,11 @@ _MOST_SEED = 2**63 - 1
 def new_assignment(
     template: str, folder: str | PathLike[str], *, name: str | None = None, seed: int | None = None
 ) -> Assignment:
-    """Make the folder of an assignment, with a new key and random numbers.
+    """Make the folder of an assignment, with a new key and random numbers in the task.
 
     The limits of a task are provisional: they come from robsim's default task.
-    `calibrate_assignment` makes exact ones. A notebook is graded by its exercises, without limits.
+    `calibrate_assignment` makes exact limits. A notebook is graded by its exercises, without
+    limits.
 
     Parameters
     ----------

@@ -23,10 +23,10 @@ def check_folder(
 ) -> FolderReport:
     """Check all callbacks of a folder, or one callback file, and report their problems.
 
-    Each is checked alone, by the check for its slot: `check_controller`, `check_measurement`,
-    `check_estimator`, `check_parameter_estimator`, `check_model`, `check_motion`,
-    `check_background`. With a task, `robsim.teach.try_solution` also runs them on the task, and the
-    doctor examines the worst run.
+    Each callback is checked alone, by the check for its slot: `check_controller`,
+    `check_measurement`, `check_estimator`, `check_parameter_estimator`, `check_model`,
+    `check_motion`, `check_background`. With a task, `robsim.teach.try_solution` also runs the
+    callbacks on the task, and the worst run is examined.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def check_folder(
     -------
     FolderReport
         True if all checks pass. A file that fails to load is a problem, too. With a task, a
-        `TaskReport`: True if the callbacks solve the task and all checks pass.
+        `TaskReport`, which is True if the callbacks solve the task and all checks pass.
 
     Raises
     ------

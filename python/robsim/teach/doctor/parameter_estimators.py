@@ -60,7 +60,7 @@ def check_parameter_estimator(
     make : callable or path
         ``make() -> estimator``: returns a new estimator, as ``init_parameter_estimator`` does: an
         object with ``update(phi, y)``. It may also return a new ``estimate_parameters`` callback,
-        ``estimate(step) -> (3, 5) or None``. A path of a file ``init_parameter_estimator.py``, or
+        ``estimate(step) -> (3, 5) or None``. The path of a file ``init_parameter_estimator.py``, or
         of the callback folder with this file, is also accepted.
     updates : int
         Length of the longest run; 3000 at most if P stays symmetric. Least squares with

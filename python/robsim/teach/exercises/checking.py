@@ -47,8 +47,8 @@ def check_answer(
     Returns
     -------
     CheckReport
-        True if the answer is right. The problem names the fault; its kind is ``"not written"`` for
-        a function that returns None.
+        True if the answer is right. The report's problem names the fault; its kind is
+        ``"not written"`` if the function returns None.
 
     Raises
     ------
@@ -95,8 +95,8 @@ def check_answer(
 def checked(answer: Answer) -> Callable[..., Any]:
     """Print whether the answer to an exercise is right; return a right answer.
 
-    So a notebook continues with the student's function if it is right, else with robsim's. A hint
-    follows the second wrong answer.
+    So a notebook continues with the student's function if it is right, else with robsim's function.
+    A hint follows the second wrong answer.
 
     Parameters
     ----------

@@ -36,7 +36,8 @@ class Exercise:
         Known wrong answers, by the sentences for students who give them.
     judge : callable, optional
         Gets a result and the arguments, and returns its fault as a sentence, or None.
-        For exercises with many right answers. Default: the result must equal the result of `right`.
+        For exercises with many right answers. By default, the result must equal the result of
+        `right`.
     tolerance : float
         The allowed absolute difference, in the unit of the result, in addition to a relative
         one of 1e-6.
@@ -84,7 +85,7 @@ class Exercise:
 
     @property
     def title(self) -> str:
-        """The first line of its docstring, without the stop."""
+        """The first line of the function's docstring, without the full stop."""
         return str(self.right.__doc__).splitlines()[0].rstrip(".")
 
 

@@ -33,10 +33,10 @@ _READABLE = stat.S_IRWXG | stat.S_IRWXO
 
 
 class Key:
-    """A secret that determines all randomness in graded runs, by name.
+    """A secret that determines all randomness in graded runs, with the names of student and test.
 
-    Seeds are HMAC-SHA256 of purpose and names, each after its length. World and robot have
-    separate seeds, which do not reveal one another. The key can repeat any run.
+    A seed is the HMAC-SHA256 of its purpose and the names, each preceded by its length. The world
+    and the robot have separate seeds, which do not reveal each other. The key can repeat any run.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class Key:
         Raises
         ------
         FileExistsError
-            If the file exists: its runs could not be repeated with another key.
+            If the file exists, since the runs of its key could not be repeated with another key.
         """
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
         descriptor = os.open(as_path(path), flags, 0o600)
@@ -135,8 +135,8 @@ class Key:
     def noise_keys(self, student: str, test: str, run: int, frames: int) -> NDArray[np.uint64]:
         """Return the 64-bit keys for the noise of each frame of a run.
 
-        BLAKE2b makes each key from a 256-bit secret of the run and the frame's number. No key
-        reveals another. A longer run begins with the same keys.
+        BLAKE2b derives each key from a 256-bit secret of the run and from the number of the frame.
+        No key reveals another. A longer run begins with the same keys.
 
         Parameters
         ----------
@@ -154,12 +154,12 @@ class Key:
         return np.array([_frame_key(secret, index) for index in range(frames)], np.uint64)
 
     def frame_noise(self, student: str, test: str, run: int, index: int) -> int:
-        """Return the key of one frame, from 0; the same as in `noise_keys`."""
+        """Return the key of a frame, numbered from 0; it is the same as in `noise_keys`."""
         check_int("index", index, minimum=0, maximum=2**63 - 1)
         return _frame_key(self._digest("noise", student, test, run), index)
 
     def pseudonym(self, student: str) -> str:
-        """Return a name for a student that only the key can give: ten letters and digits."""
+        """Return a student's pseudonym, which only the key can derive: ten letters and digits."""
         digest = self._digest("pseudonym", student, "", 0)
         return "".join(_LETTERS[byte % len(_LETTERS)] for byte in digest[:10])
 

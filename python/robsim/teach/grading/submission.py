@@ -40,17 +40,19 @@ R = TypeVar("R")
 class Submission:
     """A student's code, which runs in a separate process in a sandbox.
 
-    This process runs no code of it. Each run has a separate process with only the robot half: it
-    gets frames or poses, and returns inputs and numbers, which are checked. This process has the
-    world half, the truth and the trace. An honest submission gives the same trace as in one
-    process, byte for byte.
+    The grader's process runs none of the student's code. Each run of a submission has a separate
+    process with only the robot's software. That process receives frames or poses, and returns
+    inputs and numbers, which the grader checks. The world, the truth and the trace stay in the
+    grader's process. The trace of an honest submission is identical to a run in a single process,
+    byte for byte.
 
     The grader computes all stages that the submission does not fill, so their results are trusted.
-    Samples of the truth (`identify_from`) reveal the robot's pose: they go to submissions that may
-    fill the parameter estimator, and no other stage; others get only the parameters.
+    Samples of the truth (`identify_from`) reveal the robot's pose. So only submissions that may
+    fill the parameter estimator and no other stage get these samples; other submissions get only
+    the parameters.
 
-    A submission may fill slots of the world instead of the robot half. Then its process
-    gets only the documented inputs of `evaluate_model` and `adjust_background`.
+    A submission may fill slots of the world instead of slots of the robot's software. Then its
+    process gets only the documented inputs of `evaluate_model` and `adjust_background`.
 
     Parameters
     ----------
@@ -58,29 +60,29 @@ class Submission:
         A folder with a file for each slot or function, one Python file, a notebook, or a zip of
         these.
     slots : str or sequence of str
-        The slots that it may fill: of the robot half, or of the world.
+        The slots that the submission may fill, either of the robot's software or of the world.
     functions : str or sequence of str
         The functions that it may define, for `call`.
     imports : sequence of str, optional
         The modules that it may import. Default: all installed modules.
     masked : sequence of str
         Modules that it cannot use, such as ``"robsim.estimation.reference"``. robsim itself needs
-        some modules to run a submission (`robsim.estimation`, `robsim.vision`, ...). Of these, and
-        of single names, only plain Python code is refused: a search of the memory can find the
-        rest.
+        some modules to run a submission (`robsim.estimation`, `robsim.vision`, ...). For these
+        modules, and for single names, the sandbox refuses only plain Python access: a search of the
+        memory can still find them.
     defaults : bool
         Whether robsim's own code may fill slots: True, ``ENABLED = False``, its templates,
         its objects. By default such slots count as empty.
     frames : bool or "blobs", optional
-        Whether it sees the frames, or only the blobs in them. Default: the frames, if it fills
-        `measure`. Poses are cheaper.
+        Whether it sees the frames, or only the blobs in them. By default the submission sees the
+        frames only if it fills `measure`. Poses are cheaper.
     limits : WorkerLimits, optional
         The limits of its size and of a run: time, memory, output, files.
     isolation : {"auto", "strict", "process", "none"}
         The isolation of its process; see `check_isolation`.
     key : Key, optional
-        The source of the runs' seeds. Default: the seed of each run, else secret seeds, which are
-        forgotten.
+        The source of the runs' seeds. Default: the given seed of each run, else secret seeds, which
+        are not stored.
     student : str, optional
         The name for the key. Default: the name of the file or folder.
     test : str, optional
@@ -93,7 +95,7 @@ class Submission:
     Raises
     ------
     SubmissionError
-        If it is unreadable, has forbidden content, or fills none of the slots.
+        If the submission is unreadable, has forbidden content, or fills no slot.
     TypeError, ValueError
         If an argument is wrong; the message names it.
 
@@ -163,12 +165,12 @@ class Submission:
 
     @property
     def functions(self) -> tuple[str, ...]:
-        """The functions of the assignment that it defines."""
+        """The functions of the assignment that the submission defines."""
         return tuple(name for name in self._task.submission.slots if name not in SLOTS)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The files that were left out, as sentences."""
+        """A sentence for each omitted file."""
         return self._task.submission.notes
 
     def run(
@@ -191,8 +193,8 @@ class Submission:
             Number of steps.
         seed : int, SeedSequence or Generator, optional
             Seed of the run, the same as in ``Simulation(scenario, seed=seed)``: only for public
-            tests, because it reveals all noise. Default: from the key, by `test` and `number`;
-            without a key a secret one.
+            tests, because it reveals all noise. Default: a seed from the key, `test` and `number`,
+            or a secret seed without a key.
         test : str, optional
             The name of the test, for the key; each has other worlds. Default: the `Submission`'s
             name; required with a key.
@@ -211,7 +213,7 @@ class Submission:
         ------
         SubmissionError
             If the submission fails: its code raises an exception, takes too long, ends its process,
-            or returns an invalid result; with slot, step and line.
+            or returns an invalid result. The error has the slot, the step and the line.
         AssignmentError
             If one of `callbacks` fails.
         GraderError
@@ -244,7 +246,7 @@ class Submission:
         shape: Shape | list[Shape] | None = None,
         finite: bool = True,
     ) -> Any:
-        """Call one of its functions, in a separate process in a sandbox.
+        """Call a function of the submission in a separate process in a sandbox.
 
         Parameters
         ----------
@@ -268,7 +270,7 @@ class Submission:
         ------
         SubmissionError
             If the function is missing, fails, takes too long, ends its process, or returns an
-            invalid result; with function and line.
+            invalid result. The error has the function and the line.
         GraderError
             If no process can be started.
         TypeError, ValueError
@@ -290,7 +292,7 @@ class Submission:
         shape: Shape | list[Shape] | None = None,
         finite: bool = True,
     ) -> list[Any]:
-        """Call one of its functions many times in one process.
+        """Call a function of the submission many times in a single process.
 
         It may remember previous calls. Use `call` for independent calls.
 
@@ -349,8 +351,8 @@ class Submission:
             See `robsim.campaign`.
         seed : int, SeedSequence or Generator, optional
             The seed of all runs, for public tests: run i has
-            ``SeedSequence(seed, spawn_key=(i,))``. Default: from the key, by
-            `test` and i; without a key secret ones.
+            ``SeedSequence(seed, spawn_key=(i,))``. Default: seeds from the key, `test` and i, or
+            secret seeds without a key.
         callbacks : mapping of str to callback, optional
             The callbacks of other slots, as in `run`; other processes need callbacks with a name
             in a module. A callback must not remember earlier runs.
@@ -358,8 +360,8 @@ class Submission:
         Returns
         -------
         CampaignResult
-            A row for each run; of a failed run, the error and its place. Its case has
-            the name of the submission.
+            A row for each run; a failed run has the error and its place. The case has the name of
+            the submission.
 
         Raises
         ------

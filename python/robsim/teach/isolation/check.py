@@ -36,7 +36,7 @@ NOT_PROTECTED = (
 
 @dataclass(frozen=True, kw_only=True)
 class IsolationReport(Report):
-    """The isolation of submissions here, with all attempts. ``bool(report)`` is `strict`.
+    """The isolation of submissions here, with all attempts to escape. ``bool(report)`` is `strict`.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class IsolationReport(Report):
 
     @property
     def strict(self) -> bool:
-        """Whether ``isolation="strict"`` is available: all is closed, and all attempts failed."""
+        """Whether ``isolation="strict"`` is available: all areas closed, all attempts failed."""
         return all(self.closed.values()) and all(held for held, _ in self.attempts.values())
 
     @property
@@ -91,7 +91,7 @@ class IsolationReport(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The number of attempts, and the number of refused ones."""
+        """The number of attempts, and the number of refused attempts."""
         refused = sum(held for held, _ in self.attempts.values())
         return (
             Quantity("attempts", "attempts to get out", len(self.attempts)),
@@ -119,7 +119,7 @@ class IsolationReport(Report):
 
 
 def check_isolation(*, isolation: Isolation = "auto") -> IsolationReport:
-    """Let a worker try to leave its sandbox in all ways, and return a report.
+    """Let a worker try all known ways out of its sandbox, and return a report.
 
     Parameters
     ----------

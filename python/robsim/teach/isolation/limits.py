@@ -29,8 +29,8 @@ class WorkerLimits:
     cpu : float, default: 60.0
         Processor time of all threads together (s); counted in whole seconds, rounded up.
     memory : int, default: 1 GiB
-        Address space (bytes). Python, numpy and robsim take some 0.13 GiB of it, pandas and
-        matplotlib 0.3 GiB more, each thread 10 MiB.
+        Address space (bytes). Python, numpy and robsim need about 0.13 GiB of this memory; pandas
+        and matplotlib need another 0.3 GiB, and each thread 10 MiB.
     output : int, default: 64 KiB
         The kept part of the printed text (bytes); the rest is read and dropped.
     file_size : int, default: 1 MiB
@@ -38,8 +38,8 @@ class WorkerLimits:
         submitted file.
     folder_size : int, default: 64 MiB
         All its files together (bytes), each counted with at least 64 KiB. Submitted files count,
-        too, and raise the limit to at least twice their size. Folders may be nested 100 deep. The
-        grader checks four times a second, so that more may be there for a moment.
+        too, but the limit is at least twice their size. Folders may be nested 100 deep. The grader
+        checks the size four times a second, so the folder may exceed the limit for a moment.
     open_files : int, default: 64
         Open files, with the few initial ones.
     threads : int, default: 32
@@ -50,7 +50,7 @@ class WorkerLimits:
         All submitted files together (bytes), unpacked; of a notebook, with its outputs.
     submission_file_size : int, default: 1 MiB
         Each submitted file (bytes); of a notebook, without its outputs. The scratch folder has
-        them, independent of `file_size`.
+        these files, regardless of `file_size`.
     """
 
     call: float = 1.0

@@ -43,10 +43,10 @@ MOST_STEPS, MOST_RUNS = 10_000, 1000
 
 @dataclass(frozen=True, kw_only=True)
 class Task(ABC):
-    """An exercise for students: a world, the slots to fill, and scores of their runs.
+    """An exercise for students: a world, the slots to fill, and scores for the runs.
 
-    A subclass is a dataclass with the options, such as a goal or the noise, as fields. Its values
-    can be compared, sent to other processes, and written in an assignment by name.
+    A subclass is a dataclass whose fields are the options, such as a goal or the noise. Tasks can
+    be compared, sent to other processes, and written by name in an assignment.
 
     Attributes
     ----------
@@ -89,12 +89,12 @@ class Task(ABC):
     @property
     @abstractmethod
     def scenario(self) -> Scenario:
-        """The world of its runs, without a seed."""
+        """The world of the task's runs, without a seed."""
 
     @property
     @abstractmethod
     def values(self) -> Mapping[str, Any]:
-        """The values for solutions: the names in the module ``task``, ``from task import GOAL``.
+        """The values for solutions, as names in the module ``task``: ``from task import GOAL``.
 
         Numbers, text, None, and tuples of these.
         """
@@ -117,9 +117,9 @@ class Task(ABC):
         """
 
     def broken_rule(self, trace: Trace) -> str | None:
-        """Return a sentence about the rule of the task that a run has broken; None = no rule.
+        """Return a sentence about the rule of the task that a run has broken, or else None.
 
-        Such a run has no numbers: all are NaN.
+        A run that breaks a rule has no numbers: all are NaN.
 
         Parameters
         ----------
@@ -135,7 +135,7 @@ class Task(ABC):
         return None
 
     def begin(self, folder: str | PathLike[str]) -> list[Path]:
-        """Write the files to start with: the sheet, a file for each slot, and ``task.py``.
+        """Write the initial files of a student: the sheet, a file for each slot, and ``task.py``.
 
         Parameters
         ----------
@@ -196,13 +196,13 @@ class Task(ABC):
 
     @property
     def sheet(self) -> str:
-        """The sheet for students, with these values, in Markdown."""
+        """The sheet for students in Markdown, with the values of this task."""
         own = (_SHEETS / f"{self.name}.md").read_text(encoding="utf-8")
         return "\n\n".join([own.format_map(self.parameters).strip(), *_common(self)]) + "\n"
 
     @property
     def solutions(self) -> tuple[Solution, ...]:
-        """The solutions in robsim: the right ones, the reference first, then wrong ones."""
+        """The solutions in robsim: first the reference, then other right and wrong solutions."""
         return shipped_solutions(self.name, self.slots)
 
     def simulation(
@@ -212,7 +212,7 @@ class Task(ABC):
         time_limit: float | None = None,
         **callbacks: Unpack[AllCallbacks],
     ) -> Simulation:
-        """Return a simulation of its world, for a run of `steps` steps.
+        """Return a simulation of the task's world, for a run of `steps` steps.
 
         Parameters
         ----------
@@ -236,7 +236,7 @@ def check_task(task: Any) -> None:
 
 
 def solution_folder(task: Task, solution: Solution) -> Folder:
-    """Return a solution as a folder of a campaign, ``vary={"folder": {...}}``.
+    """Return the callback folder of a solution for a campaign: ``vary={"folder": {...}}``.
 
     Parameters
     ----------

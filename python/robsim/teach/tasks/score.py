@@ -37,11 +37,11 @@ class Score:
     kind : {"ratio", "consistency", "lost"}
         The combination of several runs; see `statistic`.
     share : float
-        Its share of the points of a test; the shares of a task sum to 1. A score of kind
-        ``"lost"`` has share 0: its part of the points multiplies all other scores.
+        Its share of the points of a test; the shares of a task sum to 1. A score of kind ``"lost"``
+        has the share 0: its fraction of the points multiplies all other scores.
     floor, worst : float
-        Bounds: a number better than `floor` counts as `floor`; a number worse than `worst`, or
-        NaN, as `worst`.
+        Bounds of the number: a better number than `floor` counts as `floor`. A worse number than
+        `worst`, or NaN, counts as `worst`.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class Score:
             raise ValueError(f"worst must be below {_ALL:g} % for kind 'lost', got {self.worst}")
 
     def statistic(self, values: Sequence[float], reference: Sequence[float]) -> float:
-        """Return the combination of some runs, relative to a reference.
+        """Return the combined number of some runs, relative to a reference.
 
         Parameters
         ----------
@@ -87,19 +87,21 @@ class Score:
         Returns
         -------
         float
-            With kind ``"ratio"`` the geometric mean of value over reference: 1 is as good, 2 twice
-            as bad. With ``"consistency"`` the geometric mean of the values, which should be 1. With
-            ``"lost"`` (% of the steps) the reference's remaining steps over the remaining steps.
+            For the kind ``"ratio"``, the geometric mean of value/reference: 1 is as good as the
+            reference, 2 is twice as bad. For ``"consistency"``, the geometric mean of the values,
+            which should be 1. For ``"lost"`` (% of the steps), the ratio of the reference's
+            remaining steps to the remaining steps.
 
         Raises
         ------
         TypeError, ValueError
-            If the values are no numbers, empty, or not as many as the reference's.
+            If the values are not numbers, are empty, or differ in number from the reference's
+            values.
 
         Notes
         -----
-        Any method loses the robot in some runs. In a mean of squares, such a run outweighs all
-        others together; in a geometric mean it does not.
+        Any method loses the robot in some runs. Such a run outweighs all other runs together in a
+        mean of squares, but not in a geometric mean.
         """
         own, others = self._known("values", values), self._known("reference", reference)
         if len(own) != len(others):
@@ -152,7 +154,7 @@ def scores_of(*rows: tuple[Any, ...]) -> tuple[Score, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreLimit:
-    """The statistic up to which a score has full points, and from which it has no points.
+    """The limits of a score: the statistic for full points, and the statistic for no points.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ _NEARLY, _SOME = 0.8, 0.1  # of the points; a naive solution has some by chance
 
 @dataclass(frozen=True, kw_only=True)
 class TaskTrial(Report):
-    """The quality of a task's solution, compared with the reference; from `try_solution`.
+    """The quality of a task's solution relative to the reference: the result of `try_solution`.
 
     Attributes
     ----------
@@ -47,8 +47,8 @@ class TaskTrial(Report):
     seed : int
         The seed from which the seeds of the runs are derived.
     values, reference : mapping of str to tuple of float
-        The numbers of the solution's and the reference's runs, by score name. NaN = no number,
-        also where the solution's run failed.
+        The numbers of the solution's and the reference's runs, by score name. NaN = no number, for
+        example because the solution's run failed.
     limits : mapping of str to ScoreLimit
         The limits of all points by score name; empty = unknown.
     failed : mapping of int to str
@@ -116,7 +116,7 @@ class TaskTrial(Report):
 
     @property
     def is_solved(self) -> bool:
-        """Whether the solution has all points; False also if the points are unknown."""
+        """Whether the solution has full points; False also if the points are unknown."""
         return self.points > 1 - 1e-9
 
     @property
@@ -126,7 +126,7 @@ class TaskTrial(Report):
 
     @property
     def verdict(self) -> str | None:
-        """Return ``"as good as the reference"``, ``"nearly as good ..."``, or worse."""
+        """Return ``"as good as the reference"``, ``"nearly as good ..."``, or a worse verdict."""
         if len(self.failed) == self.runs:
             return "fails"
         if not self.limits:
@@ -202,7 +202,7 @@ class TaskTrial(Report):
             )
 
     def figure(self) -> Figure:
-        """Draw the worst run next to the reference's.
+        """Draw the worst run next to the reference's run.
 
         Returns
         -------

@@ -15,10 +15,10 @@ from robsim.simulation.options import colors_value
 
 
 class ColorPanel(ToolPanel):
-    """The panel that trains colours; `robsim.gui.color_panel` makes it.
+    """The panel that trains colours; `robsim.gui.color_panel` opens this panel.
 
-    Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
-    but not the camera or run that supplies the pictures.
+    The methods have the same effects as the mouse, and any thread may call them. The end of a
+    ``with`` block closes the panel, but not the camera or run that supplies the pictures.
 
     Examples
     --------

@@ -20,10 +20,10 @@ from robsim.vision.imaging.calibration import Calibration
 
 
 class FloorPanel(ToolPanel):
-    """The panel that calibrates a floor; `robsim.gui.floor_panel` makes it.
+    """The panel that calibrates a floor; `robsim.gui.floor_panel` opens this panel.
 
-    Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
-    but not the camera or run that supplies the pictures.
+    The methods have the same effects as the mouse, and any thread may call them. The end of a
+    ``with`` block closes the panel, but not the camera or run that supplies the pictures.
     """
 
     _maker = "robsim.gui.floor_panel"
@@ -33,7 +33,8 @@ class FloorPanel(ToolPanel):
     def value(self) -> Calibration:
         """The current calibration; ValueError if it is incomplete. Assign to set it.
 
-        The panel takes its lens and work area, and its floor until points are placed.
+        The panel uses the lens and the work area of an assigned calibration, and also its floor
+        until points are placed.
         """
         return self._view.ask(self._view.calibration)
 
@@ -72,8 +73,8 @@ class FloorPanel(ToolPanel):
             Position on the floor (mm), from the top left corner of the work area. In the camera
             picture, x points right and y down. Default: not known yet; see `place`.
         reach : float
-            If a dot or corner, such as of a tile, is this near (px), the point moves there, to a
-            tenth of a pixel.
+            If a dot or corner, for example of a tile, is within this distance (px), the point moves
+            there. The accuracy is a tenth of a pixel.
 
         Returns
         -------
@@ -128,7 +129,7 @@ class FloorPanel(ToolPanel):
         self._change(lambda: self._view.points.move(point, pixel))
 
     def snap(self, point: int, *, reach: float = 12.0) -> None:
-        """Move a point to the nearest dot or corner, such as of a tile.
+        """Move a point to the nearest dot or corner, for example of a tile.
 
         Parameters
         ----------
@@ -207,7 +208,7 @@ class FloorPanel(ToolPanel):
         mm_per_px: float | None = None,
         marker_height: float | None = None,
     ) -> None:
-        """Set the work area and the height of the markers; omitted values stay.
+        """Set the work area and the height of the markers; omitted values stay unchanged.
 
         Parameters
         ----------
@@ -270,8 +271,8 @@ class FloorPanel(ToolPanel):
         Parameters
         ----------
         board : Chessboard or Charuco, optional
-            The board in the picture. Default: the current board, at first the default chessboard.
-            If only the side of its squares differs, earlier pictures remain valid.
+            The board in the picture. Default: the current board, initially the default chessboard.
+            If a new board differs only in the side of its squares, earlier pictures remain valid.
 
         Returns
         -------

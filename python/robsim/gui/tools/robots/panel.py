@@ -16,10 +16,10 @@ from robsim.vision.robots.lookup import as_robot
 
 
 class RobotPanel(ToolPanel):
-    """The panel that defines a robot; `robsim.gui.robot_panel` makes it.
+    """The panel that defines a robot; `robsim.gui.robot_panel` opens this panel.
 
-    Its methods do the same as the mouse, from any thread. A context closes the panel at its end,
-    but not the camera or run that supplies the pictures.
+    The methods have the same effects as the mouse, and any thread may call them. The end of a
+    ``with`` block closes the panel, but not the camera or run that supplies the pictures.
 
     Examples
     --------
@@ -45,8 +45,9 @@ class RobotPanel(ToolPanel):
     def load(self, picture: Frame | images.Pixels | str | PathLike[str]) -> None:
         """Load a picture, as if it were dropped on the tool.
 
-        If its surroundings are transparent, the drawing starts from it at once, with first guesses.
-        Otherwise the picture replaces the live picture, and `capture` cuts out the robot.
+        If the surroundings of the robot are transparent, the drawing starts from this picture
+        immediately, with initial guesses. Otherwise the picture replaces the live picture, and
+        `capture` cuts out the robot.
 
         Parameters
         ----------
@@ -65,7 +66,7 @@ class RobotPanel(ToolPanel):
         super().load(picture)
 
     def capture(self, *, whole: bool = False) -> None:
-        """Start a drawing from the square of the live or loaded picture, with first guesses.
+        """Start a drawing from the square of the live or loaded picture, with initial guesses.
 
         The picture is scaled down to at most 1000 px a side.
 

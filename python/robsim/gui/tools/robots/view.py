@@ -166,7 +166,7 @@ class RobotsView(ToolView):
         self._show_drawing()
 
     def capture(self, *, whole: bool = False) -> None:
-        """Draw on the square or on all of the live picture, with first guesses."""
+        """Draw on the square or on all of the live picture, with initial guesses."""
         if self.picture is None or self._square is None or self.is_frozen:
             raise ValueError("there is no live picture to capture")
         image = self.picture.frame.image

@@ -75,8 +75,8 @@ def grade_submission(
     Returns
     -------
     SubmissionResult
-        Points, sentences and numbers, including faults of the submission. A test that failed
-        without such a fault has the status ``"error"``.
+        Points, sentences and numbers, including faults of the submission. A test that fails for
+        another reason has the status ``"error"``.
 
     Raises
     ------
@@ -135,12 +135,12 @@ def grade_class(
 ) -> ClassResult:
     """Grade a class, and write the results.
 
-    The function writes results after each test, and does not repeat unchanged submissions and
-    tests that `out` already has: the same call continues a cancelled one.
+    The function writes results after each test, and does not repeat unchanged submissions and tests
+    that `out` already has. So the same call continues a cancelled grading.
 
     The teacher edits ``by_hand.csv`` in `out`: late days, points that replace the tests' points, a
     comment, and the points of `Assignment.by_hand`. This function adds students to the table, and
-    all results contain its marks.
+    all results contain the table's marks.
 
     Parameters
     ----------
@@ -183,14 +183,14 @@ def grade_class(
     Raises
     ------
     AssignmentError, FileNotFoundError, TypeError, ValueError
-        As `grade_submission`; also if ``by_hand.csv`` is wrong. Then nothing runs.
+        As for `grade_submission`, or if ``by_hand.csv`` is wrong. Then nothing runs.
     OSError
         If a result cannot be written.
 
     Warns
     -----
     UserWarning
-        If the folder has files that are no submissions, such as tables. If results are in folders
+        If the folder has other files than submissions, such as tables. If results are in folders
         with other names than the students. If groups have no submission.
 
     Examples
@@ -236,8 +236,8 @@ def regrade_class(
 ) -> ClassResult:
     """Recompute the marks after limits, points or ``by_hand.csv`` have changed.
 
-    Nothing runs: the function uses the kept numbers, and the kept similar programs on the page of
-    the class.
+    No test runs: the function uses the stored numbers, and the page of the class shows the stored
+    similar programs.
 
     Parameters
     ----------

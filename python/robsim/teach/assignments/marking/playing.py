@@ -42,7 +42,7 @@ def path_of(trace: Trace) -> list[list[float]]:
 
 @dataclass(frozen=True, kw_only=True)
 class PlayedRun(Report):
-    """A repeated run of a test: the same as in grading, from the key.
+    """A repeated run of a test; its key makes the run identical to the graded run.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class PlayedRun(Report):
 
     @property
     def tables(self) -> Sequence[Table]:
-        """Its scores next to the reference's, if the run was completed."""
+        """The scores of the run and of the reference, if the run was completed."""
         if self.failed:
             return ()
         columns = (
@@ -105,7 +105,7 @@ class PlayedRun(Report):
         return (Table(key="scores", columns=columns, rows=rows, row_title="score"),)
 
     def picture(self) -> bytes:
-        """Return the run next to the reference's, as PNG."""
+        """Return a PNG picture of the run next to the reference's run."""
         return picture_of(self.test, self.trace, self.reference)[0]
 
 
@@ -118,7 +118,7 @@ def play_run(
     *,
     student: str | None = None,
 ) -> PlayedRun:
-    """Repeat a run of a test, for an appeal: the same world, noise and numbers.
+    """Repeat a run of a test with the same world, noise and numbers, for example for an appeal.
 
     Parameters
     ----------
@@ -138,13 +138,13 @@ def play_run(
     Returns
     -------
     PlayedRun
-        The run with its trace, next to the reference's.
+        The run with its trace, and the reference's run.
 
     Raises
     ------
     SubmissionError
         If the submission fails before the first step, with slot and line. After a later failure,
-        the run has all steps until then: its `failed` names the reason.
+        the run has all steps up to the failure, and `failed` names the reason.
     AssignmentError, FileNotFoundError, TypeError, ValueError, OSError
         As `grade_submission`.
 

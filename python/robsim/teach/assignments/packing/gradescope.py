@@ -47,7 +47,7 @@ _MODES = {"run_autograder": 0o755, "setup.sh": 0o755, f"{ASSIGNMENT}/{KEY}": 0o6
 def pack_gradescope(
     assignment: Assignment, path: str | PathLike[str], *, install: str | PathLike[str] | None = None
 ) -> Path:
-    """Write the autograder of an assignment for Gradescope, with its key and hidden tests.
+    """Write the autograder of an assignment for Gradescope, with the key and the hidden tests.
 
     Parameters
     ----------
@@ -57,7 +57,8 @@ def pack_gradescope(
         The zip; an old one is overwritten.
     install : path or str, optional
         The package to install there: a wheel, which becomes part of the zip, or a requirement for
-        pip such as ``"robsim==1.2"``. Default: this version, from pip's usual source.
+        pip such as ``"robsim==1.2"``. Default: the installed version of robsim, from pip's usual
+        source.
 
     Returns
     -------

@@ -19,10 +19,10 @@ from robsim.teach.reports.writing import PAGE, TEXT, folder_name
 
 
 def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
-    """Write the students' files: sheet, files to begin with, public tests with their limits.
+    """Write the students' files: the sheet, initial files, and the public tests with their limits.
 
-    The files are an assignment without key, hidden tests and solutions. Its ``limits.json`` has
-    the numbers of the reference in the public runs.
+    The files form an assignment without the key, hidden tests and solutions. Its ``limits.json``
+    has the numbers of the reference in the public runs.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
     """Write the pages of students, without hidden parts, into one zip.
 
     If Moodle has named the submissions, it accepts this zip (Upload multiple feedback files in a
-    zip). The others get a folder with their name.
+    zip). Other students get a folder with their name.
 
     Parameters
     ----------

@@ -28,8 +28,8 @@ def check_background(make: Callable[[], Any] | str | PathLike[str]) -> CheckRepo
     Parameters
     ----------
     make : callable or path
-        ``make() -> adjust_background``; for a plain function, ``lambda: adjust_background``. Or a
-        file ``adjust_background.py``, or the callback folder that has it.
+        ``make() -> adjust_background``; for a plain function, ``lambda: adjust_background``. The
+        path of a file ``adjust_background.py``, or of its callback folder, is also accepted.
 
     Returns
     -------

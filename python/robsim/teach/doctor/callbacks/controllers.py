@@ -59,18 +59,19 @@ def check_controller(
     """Check a controller in several situations and report its problems.
 
     The controller drives the default robot in a simulated world with a measured pose: from several
-    places and headings, at the wall, for a long time, hidden now and then and not seen at first.
-    The check does not know the goal. If all its steering points to one place, the check reports
-    the place and whether the controller drives there or away; otherwise a remark follows.
+    positions and headings, at the wall, and for a long time. At times the robot is hidden, or is
+    not seen at first. The check does not know the goal. If all steering points to a single
+    position, the check reports the position and whether the controller drives there or away.
+    Otherwise the report has a remark.
 
     Parameters
     ----------
     make : callable or path
-        ``make() -> control``: returns a fresh controller, ``control(step) -> (u1, u2)``. For
-        example a class with ``__call__``, or ``lambda: robsim.GoToPoint(900, 300)``. Or a file
-        ``control.py``, or the callback folder that has it.
+        ``make() -> control``: returns a new controller, ``control(step) -> (u1, u2)``. Examples are
+        a class with ``__call__``, and ``lambda: robsim.GoToPoint(900, 300)``. The path of a file
+        ``control.py``, or of its callback folder, is also accepted.
     has_estimate, has_parameters : bool
-        Whether it gets ``step.estimate`` and ``step.parameters``.
+        Whether the controller gets ``step.estimate`` and ``step.parameters``.
     budget : float
         Maximum of the median time per call (s).
 

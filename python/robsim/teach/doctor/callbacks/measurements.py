@@ -69,19 +69,19 @@ def check_measurement(
     The robot turns in the middle and in the corners, drives through the area, is hidden, and is
     absent. Some frames have camera noise, a red square on the floor, or fewer pixels than the work
     area. The report has a table of the errors next to robsim's own measurement in the same frames.
-    If the measurements have covariances, a second table has their mean NEES with camera noise
+    If the measurements have covariances, a second table has the mean NEES with camera noise
     (expected: 3), and the verdict ``"optimistic"``, ``"consistent"`` or ``"conservative"``.
 
     Parameters
     ----------
     make : callable or path
-        ``make() -> measure``: returns a fresh measurement, ``measure(step) -> Measurement or
-        None``; for a plain function, ``lambda: measure``. Or a file ``measure.py``, or the callback
-        folder that has it.
+        ``make() -> measure``: returns a new measurement, ``measure(step) -> Measurement or None``;
+        for a plain function, ``lambda: measure``. The path of a file ``measure.py``, or of its
+        callback folder, is also accepted.
     robot : str, path or RobotDefinition, optional
-        The robot. Default: the one chosen with ``robsim robots use``.
+        The robot. Default: the robot chosen with ``robsim robots use``.
     background : callable, optional
-        ``adjust_background`` of the world. Default: a plain floor, and one with a red square.
+        ``adjust_background`` of the world. Default: a plain floor, and a floor with a red square.
     budget : float
         Maximum of the median time per call (s). Default: the time between two steps.
 

@@ -53,7 +53,7 @@ class TaskReport(FolderReport):
 
     @property
     def is_solved(self) -> bool:
-        """Whether the files get all points of the task."""
+        """Whether the files get full points for the task."""
         return self.trial is not None and self.trial.is_solved
 
     @property
@@ -71,12 +71,12 @@ class TaskReport(FolderReport):
 
     @property
     def not_used(self) -> tuple[str, ...]:
-        """The slots with a file that the task does not use."""
+        """The slots that have a file but are not used by the task."""
         return tuple(slot for slot, check in self.checks.items() if check == "not used")
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """Points, runs, and how many of them failed."""
+        """Points, runs, and the number of failed runs."""
         return () if self.trial is None else self.trial.quantities
 
     @property
@@ -86,7 +86,7 @@ class TaskReport(FolderReport):
 
     @property
     def short(self) -> dict[str, str]:
-        """A sentence for each score without all points, by name: the distance to all points."""
+        """A sentence for each score below full points, by name: the distance to full points."""
         return {} if self.trial is None else dict(_short(self.trial))
 
 

@@ -29,7 +29,7 @@ _HOLD = 4
 
 @dataclass(frozen=True, kw_only=True)
 class EstimateTask(Task):
-    """Estimate the pose of a robot that slips, from noisy measurements that are missing at times.
+    """Estimate the pose of a slipping robot from noisy and sometimes missing measurements.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class EstimateTask(Task):
 
     @property
     def scenario(self) -> Scenario:
-        """The world of its runs: a robot that drives around, and slips."""
+        """The world of the runs: a robot that drives around and slips."""
         return small_world(
             noise=self.noise,
             boundary="unlimited",
@@ -87,7 +87,7 @@ class EstimateTask(Task):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The model, and the standard deviations of both noises (px, px, rad)."""
+        """The model, and the standard deviations of measurement and process noise (px, px, rad)."""
         return {
             "DT": DT,
             "AREA": AREA,
@@ -97,7 +97,7 @@ class EstimateTask(Task):
         }
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the rms errors of position and heading, and the mean NEES over 3."""
+        """Return the rms errors of position and heading, and the mean NEES divided by 3."""
         check_trace(trace, "pose_true")
         error = wrapped_error(trace.pose_estimated, trace.pose_true)[self.unscored :]
         return {

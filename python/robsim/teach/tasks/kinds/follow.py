@@ -76,7 +76,7 @@ class FollowTask(DrivingTask):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The waypoints, the distance at which they count as reached, the largest voltage (V)."""
+        """The waypoints, the distance at which they count as reached, and the voltage limit (V)."""
         return {
             "WAYPOINTS": self.waypoints,
             "WAYPOINT_RADIUS": _RADIUS,
@@ -90,7 +90,7 @@ class FollowTask(DrivingTask):
         return np.array(self.waypoints)
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return error, time and waypoints left; an incomplete path has no error and no time.
+        """Return error, time and missed waypoints; an incomplete path has no error and no time.
 
         A robot that does not move has no distance from the path.
         """

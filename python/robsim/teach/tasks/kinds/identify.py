@@ -29,9 +29,9 @@ _EXCITATION = DriveAround(low=-1.0, high=3.0, hold=6)
 class IdentifyTask(Task):
     """Identify the parameters of a robot recursively, from the poses that a camera measures.
 
-    The scores measure the prediction of the next pose from the true previous poses. Its error due
-    to the parameters is e = phi (theta - theta_true), over all samples of the run. So parameters
-    count as far as the run determines them, each in the unit of a pose.
+    The scores measure the prediction of the next pose from the true previous poses. The prediction
+    error due to the parameters is e = phi (theta - theta_true), over all samples of the run. So a
+    parameter counts to the extent that the run determines it, in the unit of a pose.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class IdentifyTask(Task):
 
     @property
     def scenario(self) -> Scenario:
-        """The world of its runs: another robot in each, which drives around, and slips."""
+        """The world of the runs: each run has another robot, which drives around and slips."""
         return small_world(
             noise=self.noise,
             boundary="unlimited",
@@ -99,7 +99,7 @@ class IdentifyTask(Task):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The parameters of the new robot, and their possible relative error."""
+        """The given parameters of a new robot, and their possible relative error."""
         return {
             "DT": DT,
             "THETA": tuple(map(tuple, RobotModel().theta.tolist())),
@@ -107,7 +107,7 @@ class IdentifyTask(Task):
         }
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the rms errors of the parameters' predictions, at the end and early."""
+        """Return the rms prediction errors of the last parameters and of early parameters."""
         check_trace(trace, "pose_true")
         phi = regression_of(trace, identify_from="truth").phi
         error = trace.parameters - np.asarray(trace.info.theta_true, dtype=np.float64)

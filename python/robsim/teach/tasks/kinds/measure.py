@@ -21,7 +21,7 @@ from robsim.trace.tracking import FALSE_POSE_LIMITS
 
 @dataclass(frozen=True, kw_only=True)
 class MeasureTask(Task):
-    """Find the robot in noisy frames: position and heading, or its absence.
+    """Find the position and the heading of the robot in noisy frames, or report its absence.
 
     Parameters
     ----------
@@ -67,14 +67,14 @@ class MeasureTask(Task):
 
     @property
     def scenario(self) -> Scenario:
-        """The world of its runs: a robot that drives around."""
+        """The world of the runs: a robot that drives around."""
         return small_world(
             noise=self.noise, headings=None, dropout=self.dropout, control=DriveAround()
         )
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The time between two frames (s), the noise (%), and the places of the markers (px)."""
+        """The time between two frames (s), the noise (%), and the positions of the markers (px)."""
         markers = self.scenario._marker_layout
         return {
             "DT": DT,
@@ -85,7 +85,7 @@ class MeasureTask(Task):
         }
 
     def score(self, trace: Trace) -> dict[str, float]:
-        """Return the rms errors of poses other than false ones, and the share of frames lost."""
+        """Return the rms errors of all poses except false poses, and the share of lost frames."""
         check_trace(trace, "pose_true")
         is_good = trace.seen & ~trace.is_false
         is_lost = trace.is_false | ~(trace.seen | trace.hidden.astype(bool))

@@ -23,7 +23,7 @@ _POSITION_TOLERANCE, _HEADING_TOLERANCE = 20.0, 0.15
 
 @dataclass(frozen=True, kw_only=True)
 class ParkTask(DrivingTask):
-    """Drive to a pose, position and heading, and stay there.
+    """Drive to a pose (position and heading), and stay there.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class ParkTask(DrivingTask):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """The pose, its tolerances, the largest voltage (V), the time of a step (s)."""
+        """The pose, its tolerances, the largest voltage (V), and the sample time (s)."""
         return {
             "GOAL": self.goal,
             "POSITION_TOLERANCE": _POSITION_TOLERANCE,

@@ -74,8 +74,8 @@ def calibrate_task(
     confidence : float
         The probability that `false_fail` holds.
     tests : int, optional
-        Number of tests of each right solution; more make narrower limits. Default: the minimum,
-        299 for 1 %.
+        Number of tests of each right solution; more tests give narrower limits. Default: the
+        minimum, which is 299 for a `false_fail` of 1 %.
     provisional : bool
         Estimate limits from 40 tests of right solutions and a few of wrong ones, in a tenth
         to a quarter of the time.
@@ -84,8 +84,8 @@ def calibrate_task(
     executor : int, "threads", concurrent.futures.Executor or Dask Client, optional
         The executor of the runs, as for `robsim.campaign`.
     store : path, optional
-        Folder for the runs: the same call continues a cancelled one. Exact limits reuse the
-        runs of provisional ones.
+        Folder for the runs: the same call continues a cancelled calibration. Exact limits reuse the
+        runs of provisional limits.
     progress : bool
         Show progress bars.
 
@@ -97,14 +97,14 @@ def calibrate_task(
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range; if a run of a right solution fails.
+        If an argument has the wrong type or is out of range, or if a run of a right solution fails.
 
     Notes
     -----
-    A test is M runs, the task's number. See `limits_from` for the limits from tests. They are
-    tolerance bounds, valid for any distribution of the scores: `bound_rank`. Provisional limits are
-    an estimate: their tests are drawn with replacement from a few runs. The estimate does not
-    include events that are rarer than these runs.
+    A test has M runs, the number of runs of the task. `limits_from` computes the limits from the
+    tests. The limits are tolerance bounds, which are valid for any distribution of the scores; see
+    `bound_rank`. Provisional limits are an estimate: their tests are drawn with replacement from a
+    few runs. The estimate does not include events that are rarer than these runs.
     """
     chosen = _chosen(task, solutions)
     count, rank = _count_and_rank(false_fail, confidence, tests)

@@ -72,7 +72,7 @@ class SolutionMarks:
 
 @dataclass(frozen=True, kw_only=True)
 class TaskCalibration(Report):
-    """Limits of a task that right solutions hardly ever miss, and their basis.
+    """Limits of a task that right solutions hardly ever miss, and the basis of these limits.
 
     Attributes
     ----------
@@ -100,8 +100,8 @@ class TaskCalibration(Report):
     versions : mapping of str to str
         The software versions of the computation.
     solutions : tuple of SolutionMarks
-        The marks of each solution by these limits, in the same tests. The right solutions' tests
-        are the basis of the limits.
+        The marks of each solution by these limits, in the same tests. The limits are based on the
+        tests of the right solutions.
     provisional : str
         The source of provisional limits: ``"shipped task"`` or ``"few tests"``; "" = the limits are
         exact.
@@ -133,7 +133,7 @@ class TaskCalibration(Report):
         )
 
     def for_task(self, task: Task, solutions: Iterable[Solution]) -> TaskCalibration:
-        """Return a copy as provisional limits of another task of its kind."""
+        """Return a copy with provisional limits for another task of the same kind."""
         check_task(task)
         of_solutions = solutions_digest(check_kinds("solutions", solutions, Solution))
         return replace(
@@ -167,7 +167,7 @@ class TaskCalibration(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The promise, and the result of the tests."""
+        """The guaranteed rate, and the result of the tests."""
         return (
             Quantity("false_fail", "right ones fail, at most", self.false_fail, "", percent),
             Quantity("confidence", "confidence", self.confidence, "", percent),
@@ -226,7 +226,7 @@ class TaskCalibration(Report):
         return tuple(remarks)
 
     def stale(self, task: Task, solutions: Iterable[Solution] | None = None) -> str | None:
-        """Return the reason in a sentence if a task needs a new calibration; None = up to date.
+        """Return a sentence with the reason if a task needs a new calibration; None = up to date.
 
         Parameters
         ----------
