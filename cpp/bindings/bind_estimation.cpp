@@ -195,22 +195,23 @@ Raises
 ValueError
     For values outside these ranges.
 RuntimeError
-    If it is read, updated or reset while a run in another thread uses it. ``sim.trace.parameters``
-    can be read meanwhile.
+    If the estimator is read, updated or reset while a run in another thread uses it.
+    ``sim.trace.parameters`` can be read meanwhile.
 
 Notes
 -----
 theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
 plus ``forgetting^N |theta|^2 / initial_covariance``. The covariance is kept as P = U D U' (Bierman,
 Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot make
-it asymmetric or indefinite, for any number of samples.
+P asymmetric or indefinite, for any number of samples.
 
-Without excitation, as with a constant input, forgetting lets P grow without bound. Here the trace
-of P never exceeds 1e9 per parameter, or its initial value if that is larger. The variances D of
-single columns of U are limited accordingly. This adds information along these columns only. The
-estimates do not change, excited directions are forgotten as before, and when excitation returns the
-filter adapts like a new one. Below the limit, the filter is the textbook filter. With a forgetting
-of 1 a filter follows a change of the parameters more and more slowly as samples accumulate.
+Without excitation, as with a constant input, forgetting lets P grow without bound. The filter
+limits the trace of P to 1e9 per parameter, or to its initial value if that is larger. The variances
+D of single columns of U are limited accordingly. The limit adds information along these columns
+only. The estimates do not change, and excited directions are forgotten as before. When excitation
+returns, the filter adapts like a new filter. Below the limit, the filter is the textbook filter.
+With a forgetting of 1 a filter follows a change of the parameters more and more slowly as samples
+accumulate.
 
 Examples
 --------

@@ -188,8 +188,8 @@ Examples
           "str or None: reason for a missing measurement: ``\"no blobs\"``, ``\"no red "
           "blob\"``,\n``\"no blue blob\"`` or other colours' names, ``\"at the border\"``, "
           "``\"distance\"``,\n``\"areas\"``, ``\"ambiguous\"``, ``\"by chance\"``, ``\"noise\"`` "
-          "or ``\"shape\"``. If the frame shows the cause, the reason is ``\"dark\"``, "
-          "``\"overexposed\"`` or\n``\"small markers\"``.")
+          "or ``\"shape\"``. If the frame\nshows the cause, the reason is ``\"dark\"``, "
+          "``\"overexposed\"`` or ``\"small markers\"``.")
       .def_property_readonly("explanation", &explain,
                              "str: a sentence on the result, with the decisive numbers.")
       .def("__repr__", &repr);
@@ -216,10 +216,10 @@ Examples
           Field("cause", &Detection::cause), Field("noise", &Detection::noise),
           Field("by_second_chance", &Detection::by_second_chance,
                 "bool: the pair was found only with colours relative to brightness. The limits of "
-                "a colour\nthen hold for U - 128 and V - 128 as fractions of the largest of R, G "
-                "and B. 26 levels mean a saturation of 29 %. Under coloured light, the floor is "
-                "taken as\ngrey. Dim light, its gradients and faded markers change the levels, but "
-                "not the fractions."),
+                "a colour\nthen apply to U - 128 and V - 128, divided by the largest of R, G and "
+                "B. 26 levels mean a\nsaturation of 29 %. Under coloured light, the floor is taken "
+                "as grey. Dim light, its\ngradients and faded markers change the levels, but not "
+                "the fractions."),
           Field("markers", &Detection::markers)));
 
   Class<MissedDetections> missed(public_in(module, "robsim.vision"), "MissedDetections", R"(

@@ -192,10 +192,10 @@ void bind_marker_layout(py::module_& module) {
   Class<MarkerLayout> layout(public_in(module, "robsim.vision"), "MarkerLayout", R"(
 The two markers of a robot, their colours and positions, which turn a pair of blobs into a pose.
 
-A marker has a role, which gives its place on the robot, and a colour, by which it is found. The
-roles here are ``"right"`` and ``"left"``: the line between the two markers is perpendicular to the
-heading. See `from_markers` and `from_positions` for markers one behind the other (``"front"`` and
-``"back"``) and for other arrangements.
+A marker has a role, which gives its position on the robot, and a colour, by which vision finds it.
+The roles here are ``"right"`` and ``"left"``: the line between the two markers is perpendicular to
+the heading. See `from_markers` and `from_positions` for markers one behind the other (``"front"``
+and ``"back"``) and for other arrangements.
 
 Parameters
 ----------

@@ -100,7 +100,7 @@ class Intrinsics:
         """
 class PlaneMap:
     """
-    Pixels of a frame (u right, v down; integer = pixel centre) <-> positions on the work area.
+    Map between frame pixels (u right, v down; integer = centre) and positions on the work area.
     
     Parameters
     ----------
@@ -207,9 +207,9 @@ class PlaneMap:
         Notes
         -----
         The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2 unit
-        vectors. Since both are measured, the number is the mean of their scales. At the height h it is K
-        [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A flexible new
-        technique for camera calibration, PAMI 22(11), 2000.
+        vectors. Since both are measured, the number is the mean of their scales. At the height h the
+        homography is K [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A
+        flexible new technique for camera calibration, PAMI 22(11), 2000.
         """
     def to_pixel(self, positions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -880,10 +880,10 @@ class MarkerLayout:
     """
     The two markers of a robot, their colours and positions, which turn a pair of blobs into a pose.
     
-    A marker has a role, which gives its place on the robot, and a colour, by which it is found. The
-    roles here are ``"right"`` and ``"left"``: the line between the two markers is perpendicular to the
-    heading. See `from_markers` and `from_positions` for markers one behind the other (``"front"`` and
-    ``"back"``) and for other arrangements.
+    A marker has a role, which gives its position on the robot, and a colour, by which vision finds it.
+    The roles here are ``"right"`` and ``"left"``: the line between the two markers is perpendicular to
+    the heading. See `from_markers` and `from_positions` for markers one behind the other (``"front"``
+    and ``"back"``) and for other arrangements.
     
     Parameters
     ----------
@@ -1028,8 +1028,7 @@ class MarkerLayout:
     @property
     def roles(self) -> tuple[str, str]:
         """
-        tuple of 2 str: ``("right", "left")`` or ``("front", "back")``: the markers' roles, by their
-        places. All dicts of markers have this order.
+        tuple of 2 str: ``("right", "left")`` or ``("front", "back")``: the markers' roles, by their places. All dicts of markers have this order.
         """
 class Blob:
     """
@@ -1205,8 +1204,8 @@ class Detection:
     def by_second_chance(self) -> bool:
         """
         bool: the pair was found only with colours relative to brightness. The limits of a colour
-        then hold for U - 128 and V - 128 as fractions of the largest of R, G and B. 26 levels mean
-        a saturation of 29 %. Under coloured light, the floor is taken as grey. Dim light, its
+        then apply to U - 128 and V - 128, divided by the largest of R, G and B. 26 levels mean a
+        saturation of 29 %. Under coloured light, the floor is taken as grey. Dim light, its
         gradients and faded markers change the levels, but not the fractions.
         """
     @property
@@ -1312,22 +1311,23 @@ class RecursiveLeastSquares:
     ValueError
         For values outside these ranges.
     RuntimeError
-        If it is read, updated or reset while a run in another thread uses it. ``sim.trace.parameters``
-        can be read meanwhile.
+        If the estimator is read, updated or reset while a run in another thread uses it.
+        ``sim.trace.parameters`` can be read meanwhile.
     
     Notes
     -----
     theta minimises the sum of forgetting^(N-k) (y(k) - phi(k) theta)^2 over the samples k = 1..N,
     plus ``forgetting^N |theta|^2 / initial_covariance``. The covariance is kept as P = U D U' (Bierman,
     Factorization Methods for Discrete Sequential Estimation, 1977, ch. V), so that rounding cannot make
-    it asymmetric or indefinite, for any number of samples.
+    P asymmetric or indefinite, for any number of samples.
     
-    Without excitation, as with a constant input, forgetting lets P grow without bound. Here the trace
-    of P never exceeds 1e9 per parameter, or its initial value if that is larger. The variances D of
-    single columns of U are limited accordingly. This adds information along these columns only. The
-    estimates do not change, excited directions are forgotten as before, and when excitation returns the
-    filter adapts like a new one. Below the limit, the filter is the textbook filter. With a forgetting
-    of 1 a filter follows a change of the parameters more and more slowly as samples accumulate.
+    Without excitation, as with a constant input, forgetting lets P grow without bound. The filter
+    limits the trace of P to 1e9 per parameter, or to its initial value if that is larger. The variances
+    D of single columns of U are limited accordingly. The limit adds information along these columns
+    only. The estimates do not change, and excited directions are forgotten as before. When excitation
+    returns, the filter adapts like a new filter. Below the limit, the filter is the textbook filter.
+    With a forgetting of 1 a filter follows a change of the parameters more and more slowly as samples
+    accumulate.
     
     Examples
     --------
@@ -1621,7 +1621,7 @@ class Observation:
     frame : Frame, optional
         The camera's frame. None = no frame in this step.
     t : float, optional
-        Time of the step (s). Default: the frame's time, or one sample time after the last step.
+        Time of the step (s). Default: the frame's time, or one sample time after the previous step.
     last_u : array (2,), optional
         The input that the robot really got since the last step (V), if different from the controller's.
     measurement : Measurement or array (3,), optional
@@ -2390,8 +2390,8 @@ class Unicycle:
     """
     The robot on wheels that do not slip sideways: a ready `evaluate_model` in native code.
     
-    It has the constants of the `RobotModel`, and moves like it along a straight line and in its
-    heading; in a curve it drives along its heading. It can be called like a callback:
+    The robot has the constants of the `RobotModel`. Along a straight line and in its heading it moves
+    like this model; in a curve it drives along its heading. The object can be called like a callback:
     ``pose = unicycle(world)``.
     
     Notes
@@ -2429,7 +2429,7 @@ class Unicycle:
         ...
 class Controller:
     """
-    A predefined controller in native code. It can be called like a callback: ``u = spin(step)``.
+    A predefined controller in native code, which can be called like a callback: ``u = spin(step)``.
     
     Examples
     --------

@@ -12,8 +12,8 @@ void bind_unicycle(py::module_& module) {
   Class<Unicycle> unicycle(public_in(module, "robsim"), "Unicycle", R"(
 The robot on wheels that do not slip sideways: a ready `evaluate_model` in native code.
 
-It has the constants of the `RobotModel`, and moves like it along a straight line and in its
-heading; in a curve it drives along its heading. It can be called like a callback:
+The robot has the constants of the `RobotModel`. Along a straight line and in its heading it moves
+like this model; in a curve it drives along its heading. The object can be called like a callback:
 ``pose = unicycle(world)``.
 
 Notes
@@ -98,7 +98,7 @@ array([[ 0.2,  0.2],
 void bind_ready_controllers(py::module_& module) {
   Class<Controller, std::shared_ptr<Controller>>(public_in(module, "robsim.control"), "Controller",
                                                  R"(
-A predefined controller in native code. It can be called like a callback: ``u = spin(step)``.
+A predefined controller in native code, which can be called like a callback: ``u = spin(step)``.
 
 Examples
 --------

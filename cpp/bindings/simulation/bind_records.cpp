@@ -118,7 +118,7 @@ Parameters
 frame : Frame, optional
     The camera's frame. None = no frame in this step.
 t : float, optional
-    Time of the step (s). Default: the frame's time, or one sample time after the last step.
+    Time of the step (s). Default: the frame's time, or one sample time after the previous step.
 last_u : array (2,), optional
     The input that the robot really got since the last step (V), if different from the controller's.
 measurement : Measurement or array (3,), optional

@@ -166,7 +166,7 @@ std::vector<TraceGroup> make_schema() {
                       "True pose (N, 3): x, y (work-area px), heading (rad).")),
       simulated(group("u", {2}, {{"u1", "V"}, {"u2", "V"}},
                       "Input of the step (N, 2): left and right voltage (V).")),
-      simulated(flag("bounced", "The robot met a wall in this step (N,).")),
+      simulated(flag("bounced", "The robot bounced off a wall in this step (N,).")),
       recorded(group("pose_measured", {3}, poses("measured"),
                      "Measured pose (N, 3), NaN where the robot was not seen.")),
       group("pose_held", {3}, poses("held"),

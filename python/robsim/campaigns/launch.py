@@ -48,7 +48,7 @@ def campaign(
         The common options of the runs. Default: ``Scenario()``.
     vary : mapping of str to values, optional
         Options of `Simulation`, and their values: a list, or a mapping of label to value. The cases
-        are all combinations; see Notes for slots. Default: one case.
+        are all combinations of these values; see Notes for slots. Default: one case.
     metrics : names or functions of the trace
         Numbers to compute from each run, one or several: names, functions, or a mapping of name to
         either. A function returns a number, a dict of numbers, or a `Report`, which gives its
@@ -77,7 +77,7 @@ def campaign(
         counts: on a busy machine a tight limit makes runs fail by chance.
     keep : str
         Content of the store for each run: ``"numbers"``, or its trace, too: ``"traces"``, for
-        `trace` of the result. A trace of 100 steps with measurements takes some 35 kB. Existing
+        `trace` of the result. A trace of 100 steps with measurements needs about 35 kB. Existing
         rows stay unchanged.
     progress : bool
         Show a progress bar in a terminal or a notebook: rate, failed runs, time left.
@@ -117,13 +117,13 @@ def campaign(
 
     A dead process is replaced, and its runs are repeated; a run that ends its process at each
     attempt is recorded as failed. The same holds for a Dask client, whose nannies restart the
-    workers. Any other executor stays broken; the same call with a new one continues. In this thread
-    and in separate processes, `time_limit` ends a sleeping callback, but not a callback stuck in
-    compiled code.
+    workers. Any other executor stays broken after a dead process; the same call with a new executor
+    continues the campaign. In this thread and in separate processes, `time_limit` ends a sleeping
+    callback, but not a callback stuck in compiled code.
 
-    A store is for one campaign: other steps, seeds, options, metrics or code are refused. Code is
-    identified by its own text, not by the code it calls. Its view ``results`` has a row for each
-    run.
+    A store belongs to a single campaign: a campaign with other steps, seeds, options, metrics or
+    code is refused. Code is identified by its own text, not by the code it calls. Its view
+    ``results`` has a row for each run.
 
     Examples
     --------

@@ -162,10 +162,10 @@ class _Band(_Excitation):
 class MultiSine(_Band):
     """Gives each motor a sum of sines of equal amplitude within a frequency band.
 
-    The frequencies are the multiples of the minimum frequency: the odd ones for the left motor,
-    the even ones for the right. Over a whole period, ``1 / minimum_frequency``, the two voltages
-    are uncorrelated. The phases keep the crest factor low. The path repeats with the period of the
-    voltages, and is shifted a little in each period.
+    The frequencies are the multiples of the minimum frequency: odd multiples for the left motor,
+    even multiples for the right motor. Over a whole period, ``1 / minimum_frequency``, the two
+    voltages are uncorrelated. The phases keep the crest factor low. The path repeats with the
+    period of the voltages, and is shifted a little in each period.
 
     Parameters
     ----------
@@ -267,8 +267,8 @@ def _schroeder(multiples: NDArray[np.int64]) -> _Waves:
 class Chirp(_Band):
     """Gives each motor a sine that sweeps a frequency band repeatedly.
 
-    The left motor's sine sweeps up, and the right motor's sine sweeps down. Both spend the same
-    time in each octave.
+    The left motor's sine sweeps up, and the right motor's sine sweeps down. Both sines spend the
+    same time in each octave.
 
     Parameters
     ----------

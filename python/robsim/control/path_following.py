@@ -204,9 +204,9 @@ def _limited(value: float, limit: float) -> float:
 class GoToPoint(_Drive):
     """Drives the robot to a point, forwards or backwards, and stops it there.
 
-    It uses the estimated pose if a state estimator runs, otherwise the measured one. While the
-    robot is not seen, the voltages are (0, 0). The controller stores the last pose: create a new
-    controller for each simulation.
+    The controller uses the estimated pose if a state estimator runs, otherwise the measured pose.
+    The voltages are (0, 0) while the robot is not seen. The controller stores the last pose: create
+    a new controller for each simulation.
 
     Parameters
     ----------
@@ -226,8 +226,8 @@ class GoToPoint(_Drive):
     turn_gain : float
         Voltage per turn rate (V per rad/s): damps the turning.
     minimum_voltage : float
-        Dead zone: for a smaller force the voltages are 0 (V). At rest the robot may be
-        ``minimum_voltage / (speed_gain * distance_gain)`` from the goal, 6 px by default.
+        Dead zone: for a smaller force the voltages are 0 (V). The robot may stop
+        ``minimum_voltage / (speed_gain * distance_gain)`` from the goal, which is 6 px by default.
 
     Raises
     ------
@@ -236,9 +236,9 @@ class GoToPoint(_Drive):
 
     Notes
     -----
-    The default robot slides sideways, like a hovercraft: turning it does not turn its path. The
-    control law therefore uses forces. The distance gives the wanted velocity, the velocity error
-    gives a force, and the robot turns its axis towards that force::
+    The default robot slides sideways, like a hovercraft: a turn of the robot does not turn its
+    path. The control law therefore uses forces. The distance gives the wanted velocity, the
+    velocity error gives a force, and the robot turns its axis towards that force::
 
         wanted velocity = distance_gain (goal - position), at most maximum_speed
         force = speed_gain (wanted velocity - velocity);
@@ -281,7 +281,7 @@ class _Progress:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FollowPath(_Drive):
-    """Drives the robot along straight lines from waypoint to waypoint and stops it at the last.
+    """Drives the robot along straight lines from waypoint to waypoint and stops it at the last one.
 
     The first line begins where the robot is first seen in a run. The controller works like
     `GoToPoint`, with a goal on the path ahead of the robot. At a corner sharper than 45 degrees the
@@ -329,7 +329,7 @@ class FollowPath(_Drive):
 
     @property
     def next_waypoint(self) -> int:
-        """Index of the current target waypoint; it stays at the last one."""
+        """Index of the current target waypoint; the index stays at the last waypoint."""
         return self._progress.next_waypoint
 
     def __call__(self, step: Step) -> tuple[float, float]:

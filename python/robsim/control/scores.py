@@ -286,7 +286,7 @@ def score_pose(
     position_tolerance: float = 25.0,
     heading_tolerance: float = 0.2,
 ) -> PoseScore:
-    """Score a run's arrival and stay at a pose.
+    """Score how well a run reaches a pose and stays there.
 
     Parameters
     ----------

@@ -45,8 +45,8 @@ def panel(
 ) -> Panel:
     """Open the panel of a run: camera view, controls, traces, callbacks.
 
-    In a notebook, the last line of a cell shows the panel, which runs beside other cells. In a
-    script, `Panel.open` shows it in a browser window; in a shell, ``robsim gui`` does.
+    In a notebook, a panel in the last line of a cell is displayed, and runs alongside other cells.
+    In a script, `Panel.open` shows the panel in a browser window; in a shell, ``robsim gui`` does.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ _LONGEST_FRAME_TIMEOUT = 0.3  # s, by default; so long a robot drives when the l
 class Experiment(Runner):
     """A robot under a real camera, or a recording of one, driven by the callbacks of a simulation.
 
-    Each step runs these stages in order. A frame comes, then the parameter estimator gets the
+    Each step runs these stages in order. A frame arrives, then the parameter estimator gets the
     newest sample. The measurement evaluates the frame, and the state estimator updates its
     estimate. The controller returns an input, which is sent at once.
 
@@ -90,9 +90,9 @@ class Experiment(Runner):
         for the first. After this time the robot is stopped, and the run ends with a TimeoutError.
         The limit covers late frames and slow callbacks, and also callbacks that hold the
         interpreter, if `send` works without the interpreter. A watchdog in a separate thread stops
-        the robot, also after `step`. Default: three times the ``dt`` of the frames, at least 0.1 s,
-        or 1 s without a ``dt``. This default grows to twice the longest time between two frames, up
-        to 0.3 s. Without `send` there is no limit (inf).
+        the robot, also between calls of `step`. Default: three times the ``dt`` of the frames, but
+        at least 0.1 s, or 1 s if the ``dt`` is unknown. This default grows to twice the longest
+        time between two frames, up to 0.3 s. Without `send` there is no limit (inf).
     limits : robsim.lab.Limits, optional
         Limits on the inputs, applied before sending. ``step.u`` and the trace have the inputs as
         sent.
@@ -108,7 +108,7 @@ class Experiment(Runner):
         File of a session, which records frames, times, inputs and set-up step by step: see
         `robsim.trace.Session`. The file's name gets the suffix ``.mcap``; an existing file is an
         error. The file is complete when the ``with`` block ends, and readable even if the program
-        crashes. A warning reports the first failed write at once. Needs OpenCV.
+        crashes. A warning reports the first failed write immediately. Needs OpenCV.
     lossless : bool
         Whether the frames are recorded with a lossless codec.
     colors, markers, smoothing, time_limit
@@ -118,7 +118,7 @@ class Experiment(Runner):
         the samples in the observations.
     model : RobotModel or RobotParameters, optional
         The model of the robot, instead of `define_model`. Default: the model of
-        ``RobotParameters()``, with the ``dt`` of the frames, if they have one.
+        ``RobotParameters()``, with the ``dt`` of the frames if it is known.
     define_model : callable, optional
         ``define_model() -> RobotModel``, called once, at the start: the model that the robot's
         software believes in.
@@ -376,11 +376,11 @@ class Experiment(Runner):
         return self._source.is_live
 
     def stop_robot(self) -> None:
-        """Stop the robot at once, even during a callback; any thread may call this.
+        """Stop the robot at once, even during a callback; any thread may call this method.
 
-        The current run sends nothing more to the robot, and ends after its step. If a callback is
-        computing an input at that moment, the run raises a `robsim.lab.HaltedError`. The next `run`
-        or `step` drives the robot again.
+        The current run sends no further input to the robot, and ends after the current step. If a
+        callback is computing an input at that moment, the run raises a `robsim.lab.HaltedError`.
+        The next `run` or `step` drives the robot again.
 
         Raises
         ------
@@ -451,7 +451,7 @@ class Experiment(Runner):
         Raises
         ------
         RuntimeError
-            If `frames` can be read only once, and some have been read.
+            If `frames` can be read only once, and some frames have been read.
         """
         self._stop_robot(None)
         if self._recording is not None and self._recording.has_begun:

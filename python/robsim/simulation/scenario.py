@@ -241,8 +241,8 @@ class Scenario(Options):
         """Return the scenario as the text of a TOML file, for `from_toml`.
 
         The text has only the robot and the values that differ from the defaults. A robot that ships
-        with robsim is given by its name. It includes images and recorded inputs, so that it is
-        complete.
+        with robsim is given by its name. The text includes images and recorded inputs, so that it
+        is complete.
 
         Raises
         ------

@@ -429,7 +429,7 @@ class Simulation(WorldSlots, Runner):
 
         Notes
         -----
-        Meanwhile other threads can read `trace`, `n_steps` and `stage`, plot them, and `stop` the
+        During a run, other threads can read and plot `trace`, `n_steps` and `stage`, and `stop` the
         run. Attributes that the run changes, such as `last_step` and `estimator`, raise an error
         during the run. A run with callbacks in Python takes turns with other busy threads, and
         waits up to 5 ms for each turn: ``sys.setswitchinterval(0.0005)`` shortens this wait. A run

@@ -70,7 +70,7 @@ class TimingReport(Report):
     def motor_delay(self) -> float:
         """The median time from the exposure of a frame to the sending of the input, in steps of dt.
 
-        Use it as `motor_delay` of a simulated world, of filters and of fits.
+        Use this value as `motor_delay` of a simulated world, of filters and of fits.
         """
         return float(self.latency[2, 0] / self.dt)
 

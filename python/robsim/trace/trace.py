@@ -183,7 +183,7 @@ class Trace:
         return "pose_measured" in self._groups
 
     def require(self, *names: str) -> None:
-        """Raise an error unless each of some columns is known in at least one step.
+        """Raise an error unless each of the given columns is known in at least one step.
 
         Parameters
         ----------
@@ -223,9 +223,9 @@ class Trace:
     def in_unit(self, unit: str, *, mm_per_px: float | None = None) -> Trace:
         """Return the run with its lengths in another unit, for reports, figures and tables.
 
-        Poses, covariances, parameters and blobs change; `state` does not, as only its estimator
-        knows the units. Results and figures from the trace then have that unit, too. Only lengths
-        change: (x, y) in mm is `mm_per_px` times (x, y) in px, from the same origin.
+        Poses, covariances, parameters and blobs change. `state` does not change, because only the
+        estimator knows its units. Results and figures from the trace then have that unit, too. Only
+        lengths change: (x, y) in mm is `mm_per_px` times (x, y) in px, with the same origin.
 
         Parameters
         ----------
@@ -280,7 +280,7 @@ class Trace:
 
     @property
     def is_false(self) -> Bools:
-        """Steps with a measured pose that is more than 10 px or 20 degrees off."""
+        """Steps whose measured pose has an error above 10 px or 20 degrees."""
         error = self.error
         distance = np.hypot(error[:, 0], error[:, 1]) / self.info.px_length
         position, heading = FALSE_POSE_LIMITS
@@ -395,7 +395,7 @@ class Trace:
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the single columns as CSV, one step a line; missing columns stay empty.
 
-        A colour name that a spreadsheet would take for a formula gets a leading '.
+        A colour name that a spreadsheet would interpret as a formula gets a leading '.
 
         Parameters
         ----------

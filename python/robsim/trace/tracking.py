@@ -30,7 +30,7 @@ class TrackingStatistics(Report):
     seen : int
         Steps with a detected robot.
     false_poses : int
-        Seen steps with a pose more than 10 px or 20 degrees off.
+        Seen steps whose pose has an error above 10 px or 20 degrees.
     rmse_xy : float
         sqrt(mean(dx^2 + dy^2)) over the correct poses (in `unit`); NaN without correct poses, or if
         the truth is not known.

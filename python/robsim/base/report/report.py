@@ -71,7 +71,7 @@ class Report(ABC):
 
     @property
     def verdict(self) -> str | None:
-        """The judgement in a word or two; None = no judgement."""
+        """The verdict in a word or two; None = no verdict."""
         return None
 
     @property
@@ -100,7 +100,7 @@ class Report(ABC):
 
     @property
     def remarks(self) -> Sequence[str]:
-        """Further remarks for the reader, a sentence each."""
+        """Further remarks for the reader, each a sentence."""
         return ()
 
     @property
@@ -125,7 +125,7 @@ class Report(ABC):
         return as_html(self)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return title, verdict, at_limit, quantities, tables, remarks, as plain values by name.
+        """Return a dict of plain values: title, verdict, at_limit, quantities, tables and remarks.
 
         A table maps each row to a dict of its columns' values. ``"units"`` has the units of
         quantities and columns; a row has its own. None = not known, or not finite. Angles are in
@@ -150,7 +150,7 @@ class Report(ABC):
     def to_pandas(self) -> pandas.DataFrame:
         """Return the table as a data frame, or the quantities if there is no table.
 
-        Its ``attrs`` have the title and the verdict; angles are in rad.
+        The ``attrs`` of the data frame have the title and the verdict; angles are in rad.
 
         Raises
         ------

@@ -263,7 +263,7 @@ class Table:
 
     @property
     def alignments(self) -> list[str]:
-        """The alignment of the columns, the row titles first: texts left, numbers right."""
+        """The alignment of the columns, the row titles first: left for texts, right for numbers."""
         values = zip(*(row.values for row in self.rows), strict=True)
         are_texts = [all(isinstance(value, (str, list)) for value in column) for column in values]
         return ["left", *("left" if is_text else "right" for is_text in are_texts)]

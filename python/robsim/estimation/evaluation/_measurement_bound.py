@@ -318,23 +318,23 @@ def measurement_bound(
 
     Notes
     -----
-    The marker k covers the share K of a pixel i. The pixel has the mean in the channel c
+    The marker k covers the fraction K of a pixel i. The pixel has the mean in the channel c
 
         mu = level_kc + contrast_kc K
 
     K is the integral over the marker of a normal distribution around the pixel [2]_. For a polygon
     that represents a curve, K is Phi(d / w) at a distance of d px inside the edge. The standard
-    deviation w of the blur, and all levels and contrasts are as unknown as the pose. With the
+    deviation w of the blur, all levels and all contrasts are unknown, like the pose. With the
     information J(mu) of a pixel the pose has the information
 
         N = sum_ic J(mu_ic) g_ic g_ic',   g_ic = d mu_ic / d(pose, ln w, levels, contrasts)
 
-    and the bound is the part of N^-1 that belongs to the pose. For Gaussian noise J is the Fisher
-    information of the rounded, clipped value and this is the Cramér-Rao bound [1]_. The limits of
-    uniform noise and of rounding move with the pose, so that it has no such bound: J is
+    and the bound is the part of N^-1 that belongs to the pose. For Gaussian noise, J is the Fisher
+    information of the rounded and clipped value, and the result is the Cramér-Rao bound [1]_. The
+    limits of uniform noise and of rounding move with the pose, so that it has no such bound: J is
     (d mean / d mu)^2 / variance, and no estimate that is linear in the pixels is better.
-    signal_to_noise^2 = sum_ic J(mu_ic) (contrast_kc phi(d_i / w))^2: the rms in place is about
-    2 w / signal_to_noise for two round markers.
+    signal_to_noise^2 = sum_ic J(mu_ic) (contrast_kc phi(d_i / w))^2: the rms in place is about 2 w
+    / signal_to_noise for two round markers.
 
     References
     ----------

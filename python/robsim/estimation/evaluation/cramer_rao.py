@@ -33,7 +33,7 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
     Raises
     ------
     ValueError
-        If the shapes do not fit together, or sigma is negative.
+        If the shapes do not match, or sigma is negative.
 
     Notes
     -----
@@ -162,7 +162,7 @@ def posterior_cramer_rao_bound(
     Raises
     ------
     ValueError
-        If the shapes do not fit together.
+        If the shapes do not match.
 
     Notes
     -----

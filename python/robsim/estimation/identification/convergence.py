@@ -37,7 +37,7 @@ def convergence_time(
     Raises
     ------
     ValueError
-        If the shapes do not fit together.
+        If the shapes do not match.
 
     Examples
     --------
@@ -149,7 +149,7 @@ class ConvergenceReport(Report):
 def parameter_convergence(
     trace: Trace, *, tolerance: float = 0.01, offset_tolerance: float = 1e-3
 ) -> ConvergenceReport:
-    """Return the times from which on the online parameter estimates stay near the true values.
+    """Return the times after which the online parameter estimates stay near the true values.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ def calibrate_floor(
     names : sequence of str, optional
         Names of the marks; marks with the same name are averaged. Default: their numbers, from 1.
     picture : Frame or array (H, W, 3) of uint8, optional
-        An RGB picture of the floor. Its floor sheets are stored for `sheet_shifts`.
+        An RGB picture of the floor. The floor sheets in the picture are stored for `sheet_shifts`.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def calibrate_floor_by_sheets(
     """Calibrate a camera's view of the floor by printed sheets on the floor.
 
     The sheets may have any positions and angles; spread them over the whole area if possible.
-    Several pictures of the same floor are averaged.
+    The results of several pictures of the same floor are averaged.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ def calibrate_lens(
     *,
     names: Sequence[str] | None = None,
 ) -> LensCalibration:
-    """Calibrate a lens by pictures of a board, at different positions and tilts.
+    """Calibrate a lens by pictures of a board at different positions and tilts.
 
     Parameters
     ----------

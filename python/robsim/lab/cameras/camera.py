@@ -91,7 +91,7 @@ class Camera(Closing):
         one, otherwise the size of the frames.
     size : tuple of int, optional
         Width and height of the frames (px), requested from a camera by number, on FireWire or on
-        GigE. Frames of another size are an error. Default: the calibration's or camera's size.
+        GigE. Frames of another size cause an error. Default: the calibration's or camera's size.
     region : tuple of int, optional
         Left, top, width and height of the transmitted part of the sensor (px): on FireWire, by
         its format 7, and on GigE. Default: the whole sensor, or on GigE the camera's current
@@ -309,7 +309,7 @@ class Camera(Closing):
 
     @property
     def newest(self) -> Frame | None:
-        """Frame or None: the last frame taken by a reader; any thread may read this."""
+        """Frame or None: the last frame that a reader took; any thread may read this attribute."""
         return self._grabber.newest
 
     @property

@@ -61,7 +61,7 @@ class CameraBusyError(CaptureError):
 
 
 class FrameTimeoutError(CaptureError, TimeoutError):
-    """No frame came in time. Later frames may still come: reading can be tried again."""
+    """No frame came in time. Later frames may still arrive, so reading can be retried."""
 
     fault = "time_out"
 

@@ -80,7 +80,7 @@ class CameraCheck(Report):
 
     @property
     def verdict(self) -> str:
-        """The worst verdict: ``"good"``, ``"poor"`` or ``"bad"``."""
+        """The worst verdict of all findings: ``"good"``, ``"poor"`` or ``"bad"``."""
         return VERDICTS[max(rank(finding) for finding in self.findings)]
 
     @property

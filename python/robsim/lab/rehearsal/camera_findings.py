@@ -112,7 +112,7 @@ class CameraFinding:
 
     @property
     def amount(self) -> str:
-        """Value and unit as text; ``"-"`` if not known."""
+        """The value and the unit as text; ``"-"`` if the value is not known."""
         if math.isnan(self.value):
             return "-"
         return Quantity(self.name, "", self.value, self.unit, three_digits).line.strip()

@@ -28,10 +28,10 @@ _FINEST = 4.0
 class SimulatedLab(Closing):
     """The simulated world in real time: a camera and a robot for rehearsals.
 
-    ``robsim.Camera(lab)`` is its camera, which exposes `fps` times per second. Its robot receives
-    commands at `address`, like a real robot. The world starts when the camera is first opened, and
-    runs until the lab is closed, even if no camera reads frames. Native threads run the world, so a
-    callback that blocks the interpreter does not delay it.
+    ``robsim.Camera(lab)`` is its camera, which exposes `fps` times per second. The robot of the lab
+    receives commands at `address`, like a real robot. The world starts when the camera is first
+    opened, and runs until the lab is closed, even if no camera reads frames. Native threads run the
+    world, so a callback that blocks the interpreter does not delay it.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ class SimulatedLab(Closing):
 
     @property
     def truth(self) -> LabTruth:
-        """All ticks so far; any thread may read this."""
+        """All ticks so far; any thread may read this attribute."""
         return truth_of(*self._laboratory.ticks(), self.dt)
 
     @property
@@ -214,11 +214,11 @@ class SimulatedLab(Closing):
         self._laboratory.stall(check_float("seconds", seconds, "s", minimum=0))
 
     def unplug(self) -> None:
-        """Unplug the camera; any thread may call this. The world continues."""
+        """Unplug the camera; any thread may call this method. The world continues."""
         self._laboratory.unplug()
 
     def plug_in(self) -> None:
-        """Plug the camera in again; any thread may call this."""
+        """Plug the camera in again; any thread may call this method."""
         self._laboratory.plug_in()
 
     def close(self) -> None:

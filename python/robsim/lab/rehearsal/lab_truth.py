@@ -15,7 +15,7 @@ from robsim.base.checks import Floats, check_kind
 class LabTruth:
     """The ticks of a simulated lab so far, at most the last million.
 
-    The camera exposes at each tick. Row i of the arrays is tick ``first + i``.
+    The camera exposes at each tick. Row i of the arrays belongs to the tick ``first + i``.
 
     Attributes
     ----------

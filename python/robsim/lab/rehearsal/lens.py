@@ -51,7 +51,7 @@ class Lens:
         check_float("k2", self.k2)
 
     def distorted(self, pixels: ArrayLike, size: tuple[int, int]) -> Floats:
-        """Return the frame pixels of points that an ideal lens shows at `pixels`.
+        """Return the frame pixels of the points that an ideal lens would show at `pixels`.
 
         Parameters
         ----------

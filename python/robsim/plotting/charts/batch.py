@@ -39,13 +39,14 @@ def plot_batch(report: BatchEstimate, *, ax: Axes | None = None) -> Axes:
     The axis is logarithmic, so that 1e-12 and 50 % are both readable. The error is relative to the
     true value. Since d1 may be 0, its error is absolute and has hollow markers. A triangle at the
     left edge marks an error of exactly 0. The values are listed on the right. A pale bar ends at
-    two standard errors of the batch estimate: for equation noise 95 % of the errors lie within the
-    bar. If the truth is not known, only these bars are drawn, relative to the estimates.
+    two standard errors of the batch estimate: with equation noise, 95 % of the errors lie within
+    the bar. If the truth is not known, only these bars are drawn, relative to the estimates.
 
     Parameters
     ----------
     report : BatchEstimate
-        From `robsim.batch_estimate`. Without an online estimate (all NaN) its column is omitted.
+        From `robsim.batch_estimate`. The column of the online estimate is omitted if all its values
+        are NaN.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in. Default: a new figure of 9 x 7 inches.
 

@@ -198,7 +198,7 @@ class WheelNoise:
         Raises
         ------
         TypeError, ValueError
-            If `model` is not a RobotModel, or `heading` not a number.
+            If `model` is not a RobotModel, or `heading` is not a number.
         """
         b = _theta_of(model)[:, [_B1, _B2]]
         angle = check_float("heading", heading, "rad")
@@ -310,8 +310,8 @@ def _theta_of(model: RobotModel) -> Floats:
 class Dropout:
     """Random occlusion: an object hides the robot from the camera.
 
-    The run is divided into segments of `steps` steps; in each segment, independently, the robot is
-    hidden throughout with this probability.
+    The run is divided into segments of `steps` steps. In each segment, the robot is hidden for the
+    whole segment with this probability, independently of other segments.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ class TaskTest:
 
 @dataclass(frozen=True, kw_only=True)
 class FileTests:
-    """Tests of the teacher: a file for pytest, whose functions have points.
+    """Tests of the teacher: a pytest file with points for its test functions.
 
     Attributes
     ----------

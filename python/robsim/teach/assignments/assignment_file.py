@@ -147,8 +147,8 @@ def load_assignment(
     ----------
     folder : path
         The folder, with ``assignment.toml`` and, optionally, ``limits.json``, ``key``, ``given/``
-        and, for each kind of task, ``solutions/TASK/right`` and ``wrong``. Without these
-        solutions, robsim's own are the references.
+        and, for each kind of task, ``solutions/TASK/right`` and ``wrong``. Without these solutions,
+        robsim's own solutions are the references.
     isolation : {"auto", "strict", "process", "none"}, optional
         The isolation of submissions. Default: the value in the folder.
 

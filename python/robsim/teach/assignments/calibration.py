@@ -43,7 +43,7 @@ def calibrate_assignment(
     Parameters
     ----------
     folder : path
-        The folder of the assignment. The seeds of the runs come from its key.
+        The folder of the assignment. The seeds of the runs come from the assignment's key.
     false_fail, confidence, provisional, executor, progress
         See `robsim.teach.calibrate_task`.
     on_begin : callable, optional

@@ -72,8 +72,8 @@ def check_parameter_estimator(
     Returns
     -------
     CheckReport
-        True if all checks pass. In a test, call its ``raise_for_problems()``, which lists every
-        problem.
+        True if all checks pass. In a test, call the report's ``raise_for_problems()``, which lists
+        every problem.
 
     Raises
     ------

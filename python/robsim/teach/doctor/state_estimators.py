@@ -91,8 +91,8 @@ def check_estimator(
     Returns
     -------
     CheckReport
-        True if all checks pass. In a test, call its ``raise_for_problems()``, which lists every
-        problem.
+        True if all checks pass. In a test, call the report's ``raise_for_problems()``, which lists
+        every problem.
 
     Raises
     ------
@@ -113,7 +113,8 @@ def check_estimator(
     A repeated measurement has the same effect as half of R. The doctor knows the R of its
     measurements, and searches for R among the numbers that the estimator stores. Inputs that act a
     step late have the same effect as Euler's method. The doctor searches for the speed among the
-    stored numbers. Filters with Q and R that are 4 times too large or small pass.
+    stored numbers. Filters whose Q and R are too large or too small by a factor of 4 pass the
+    check.
 
     The mean NEES is 3 for a consistent filter; a value above 20 is a problem, also with the noise
     of the sharpest camera. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to

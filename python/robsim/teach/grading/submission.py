@@ -219,7 +219,7 @@ class Submission:
         GraderError
             If no process can be started.
         TypeError, ValueError
-            If an argument is wrong; the message names it. Also if `slots` has the parameter
+            If an argument is wrong; the message names it. Also raised if `slots` has the parameter
             estimator and other stages, and the scenario identifies from the truth.
         """
         task = self._task_with(callbacks, scenario)

@@ -177,7 +177,7 @@ class Task(ABC):
         Raises
         ------
         TypeError, ValueError
-            If an argument is no Trace, or has no steps.
+            If an argument is not a Trace, or has no steps.
         """
         from robsim.plotting.beside import draw_run  # matplotlib takes its time
         from robsim.plotting.style import check_optional, check_steps

@@ -24,7 +24,7 @@ KINDS = ("ratio", "consistency", "lost")
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """A number that each run of a task has.
+    """A number by which the runs of a task are scored.
 
     Parameters
     ----------

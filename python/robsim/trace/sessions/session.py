@@ -36,7 +36,7 @@ class Session:
 
     An `Experiment` reruns the recorded run with other callbacks:
     ``robsim.Experiment(session, ...)``. Each observation has the frame, its time, and the input
-    that the robot really got since the previous step. So estimators see the recorded run,
+    that the robot actually received since the previous step. So estimators see the recorded run,
     regardless of the new controller's outputs.
 
     A killed or unfinished run can be read up to the last written step: a kill loses only the last
@@ -165,7 +165,7 @@ class Session:
         return path.is_file() and content_of(path, len(_file.MAGIC)) == _file.MAGIC
 
     def full_trace(self) -> Trace:
-        """Return the complete record, with estimates, if the run ended normally; else `trace`.
+        """Return the complete record with estimates if the run ended normally, otherwise `trace`.
 
         Raises
         ------

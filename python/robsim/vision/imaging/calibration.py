@@ -178,7 +178,7 @@ class Calibration:
 
     @property
     def plane_map(self) -> PlaneMap:
-        """PlaneMap: pixels of the frames <-> work area, at the height of the markers.
+        """PlaneMap: the map between frame pixels and the work area, at the height of the markers.
 
         Raises
         ------

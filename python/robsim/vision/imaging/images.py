@@ -34,9 +34,9 @@ _ORIENTATION = 0x0112  # the number of EXIF's tag
 
 
 def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
-    """Read an image file, with its pixels in the order of the sensor.
+    """Read an image file in the pixel order of the sensor.
 
-    A camera's live frames have this order, too. An EXIF orientation rotates nothing.
+    The live frames of a camera have the same order. An EXIF orientation does not rotate the pixels.
 
     Parameters
     ----------

@@ -147,7 +147,7 @@ class VideoWriter:
     Raises
     ------
     FileNotFoundError
-        If its folder does not exist.
+        If the folder of the file does not exist.
     ImportError
         If PyAV is not installed.
     OSError

@@ -162,8 +162,8 @@ def score_color(
 
     The colour counts as detected under two conditions. Each region contains the centroid of a blob
     whose area is a third to three times the region's area; no other blob has such an area. The
-    image is made darker and brighter. It gets a shadow with an edge through the first region. It
-    gets camera noise, in the light and in the shadow.
+    image is made darker and brighter. It also gets a shadow with an edge through the first region,
+    and camera noise in light and in shadow.
 
     Parameters
     ----------

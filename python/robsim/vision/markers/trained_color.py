@@ -21,7 +21,7 @@ class TrainedColor(report.Report):
     Attributes
     ----------
     color : ColorClass
-        The class: as wide as the classes of all frames together.
+        The class, whose ranges cover the classes of all frames.
     frames : array (N,) of int
         Numbers of the frames used for training, from 0.
     medians : array (N, 3)

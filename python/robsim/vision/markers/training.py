@@ -44,9 +44,9 @@ def train_color(
     margin: int | None = None,
     limit_y: bool = False,
 ) -> TrainedColor:
-    """Train a colour on regions of several images, such as the same marker in other light.
+    """Train a colour on regions of several images, for example of a marker in different light.
 
-    The class is as wide as the classes of all regions together, and thus valid in each image.
+    The ranges of the class cover the classes of all regions, so the class is valid in each image.
 
     Parameters
     ----------

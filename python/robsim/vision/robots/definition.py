@@ -25,7 +25,7 @@ DEFAULT_COLORS = tuple(MarkerLayout(distance=1, offset=0).colors.values())
 
 @dataclass(frozen=True, eq=False)
 class BlobMarker(Value):
-    """A marker of one colour, visible as a blob: a value.
+    """A marker of one colour, which is visible as a blob; an immutable value.
 
     Parameters
     ----------

@@ -123,8 +123,8 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     """Write a robot definition: a ``robot.toml`` with comments, and its image ``robot.png``.
 
     An existing definition is replaced in a single operation: even after a crash, the folder has
-    either the old or the new definition. The image is called ``robot-2.png`` if the old one is
-    ``robot.png``.
+    either the old or the new definition. The image gets the name ``robot-2.png`` if the old image
+    is ``robot.png``.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def save_robot(folder: str | PathLike[str], robot: RobotDefinition) -> None:
     Raises
     ------
     TypeError
-        If `robot` is not a RobotDefinition, or `folder` not a path.
+        If `robot` is not a RobotDefinition, or `folder` is not a path.
     OSError
         If a file cannot be written.
 

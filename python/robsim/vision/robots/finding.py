@@ -64,7 +64,7 @@ def robot_from_image(
     markers : dict of str to array (N, 2), optional
         Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
         each marker: a polygon around the largest blob of the colour, with the area and the centroid
-        of the blob. The roles of the markers follow from their positions when the robot faces
+        of the blob. The roles of the markers follow from their positions on a robot that faces
         right.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find the markers. Default: the colours shipped with robsim.

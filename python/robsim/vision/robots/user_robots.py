@@ -87,7 +87,7 @@ def add_robot(
     markers : dict of str to array (N, 2), optional
         Polygons around the markers (image px) by their colours: ``{"red": polygon}``. Default for
         an image: the largest blobs of the colours. The roles of the markers follow from their
-        positions when the robot faces right.
+        positions on a robot that faces right.
     colors : path or iterable of ColorClass, optional
         Colour file, or classes, to find and check the markers. Default: the colours shipped with
         robsim.

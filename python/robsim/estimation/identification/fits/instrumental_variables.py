@@ -43,7 +43,7 @@ def instrumental_variables(
     Least squares is biased by the noise in its regressors. Here each regressor has an instrument,
     which is uncorrelated with the noise: the same quantity, simulated from the inputs with the
     current estimate. Samples and instruments are filtered so that the noise becomes white, and the
-    estimate is iterated. The fit uses the constraint a1 + a2 = 1, which holds for every robot.
+    estimation is iterated. The fit uses the constraint a1 + a2 = 1, which holds for every robot.
     Without this constraint, a parameter could fit noise, such as a drift of the measured path. Gaps
     cost samples, since only consecutive poses are used; `output_error` bridges them.
 

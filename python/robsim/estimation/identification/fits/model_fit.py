@@ -93,7 +93,7 @@ class ModelFit(Report):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """The delay of the inputs, if any."""
+        """The delay of the inputs, if it is not 0."""
         return delay_quantities(self.motor_delay, self.motor_delay_error)
 
     @property

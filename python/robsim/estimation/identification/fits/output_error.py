@@ -151,12 +151,12 @@ def output_error(
     """Fit the simulated path of the robot model to measured poses.
 
     The path depends on the inputs, the 15 parameters and the first two poses of each segment
-    between breaks; all of them are fitted together, so that the measured positions also inform the
-    heading. The noise of the poses is not in the regressors: with measurement noise alone the
-    estimate has asymptotically no bias and the minimum variance. Process noise moves all later
-    poses of the path, which increases the errors of the estimate. The residuals show the process
-    noise, and the standard errors include it. If process noise dominates, least squares is the
-    better method.
+    between breaks. Parameters and poses are fitted together, so that the measured positions also
+    determine the heading. The noise of the poses is not in the regressors: with measurement noise
+    alone the estimate has asymptotically no bias and the minimum variance. Process noise moves all
+    later poses of the path, which increases the errors of the estimate. The residuals show the
+    process noise, and the standard errors include it. If process noise dominates, least squares is
+    the better method.
 
     Parameters
     ----------
@@ -188,9 +188,9 @@ def output_error(
     residuals of the last iteration. Source: Ljung, System Identification, 2nd edition 1999, 4.3
     (output error models), 10.2.
 
-    An estimated delay maximises the likelihood, for normal errors of the poses: the parameters fit
-    best with this delay. The standard errors of the parameters then include the uncertainty of the
-    delay.
+    An estimated delay maximises the likelihood for normally distributed errors of the poses: the
+    parameters fit best with this delay. The standard errors of the parameters then include the
+    uncertainty of the delay.
 
     The variances of process noise and measurement noise maximise the restricted likelihood of the
     residuals. Source: Patterson and Thompson, Recovery of inter-block information when block sizes

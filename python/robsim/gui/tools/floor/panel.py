@@ -284,7 +284,7 @@ class FloorPanel(ToolPanel):
         ImportError
             If OpenCV is not installed.
         TypeError, ValueError
-            If an argument has the wrong type, or the picture shows no board. Also if earlier
+            If an argument has the wrong type, or the picture shows no board. Also raised if earlier
             pictures have another size or show another board: see `drop_boards`.
         """
         if not (board is None or isinstance(board, (Chessboard, Charuco))):
@@ -352,7 +352,7 @@ class FloorPanel(ToolPanel):
         OSError
             If the file cannot be written.
         TypeError, ValueError
-            If `path` is not a path to a ``.toml`` file, or something is missing. Also if an
+            If `path` is not a path to a ``.toml`` file, or something is missing. Also raised if an
             existing file is not a calibration, was not loaded here, or has another lens.
         """
         return self._view.ask(lambda: self._view.save(path))

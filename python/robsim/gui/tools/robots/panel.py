@@ -52,7 +52,7 @@ class RobotPanel(ToolPanel):
         Parameters
         ----------
         picture : path, Frame or array (H, W, 3) or (H, W, 4) of uint8
-            The picture. The drawing scales it down to at most 1000 px a side.
+            The picture. The drawing scales the picture down to at most 1000 px a side.
 
         Raises
         ------

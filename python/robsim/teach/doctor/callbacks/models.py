@@ -39,8 +39,8 @@ def check_model(make: Callable[[], Any] | str | PathLike[str]) -> CheckReport:
     Parameters
     ----------
     make : callable or path
-        ``make() -> define_model``; for a plain function, ``lambda: define_model``. Or a file
-        ``define_model.py``, or the callback folder that has it.
+        ``make() -> define_model``; for a plain function, ``lambda: define_model``. The path of a
+        file ``define_model.py``, or of its callback folder, is also accepted.
 
     Returns
     -------
@@ -108,8 +108,8 @@ def check_motion(
     Parameters
     ----------
     make : callable or path
-        ``make() -> evaluate_model``; for a plain function, ``lambda: evaluate_model``. Or a file
-        ``evaluate_model.py``, or the callback folder that has it.
+        ``make() -> evaluate_model``; for a plain function, ``lambda: evaluate_model``. The path of
+        a file ``evaluate_model.py``, or of its callback folder, is also accepted.
     budget : float
         Maximum of the median time per call (s).
 
