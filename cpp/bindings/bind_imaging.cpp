@@ -79,10 +79,10 @@ index : int
 plane_map : PlaneMap, optional
     Pixels to work area. Default: the identity.
 headings : int, optional
-    Number of drawn headings of the robot, at whole pixels, as in frames of a simulation: no
-    measurement of its pose is better, and the covariance includes this. By default any heading is
-    possible, as in a real camera's frames. A frame made only from the pixels of a simulated frame
-    needs this number.
+    Number of drawn headings of the robot, at whole pixels, as in frames of a simulation. This
+    rounding limits the accuracy of a measured pose, and the covariance includes it. By default any
+    heading is possible, as in a real camera's frames. A frame made only from the pixels of a
+    simulated frame needs this number.
 
 Examples
 --------

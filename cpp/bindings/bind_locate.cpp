@@ -157,7 +157,7 @@ The result of `detect`: the pair of blobs that fits the markers best, its misfit
 
 The misfit is the sum of three squared deviations. The deviation of the distance is divided by the
 markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are divided by
-the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+the logarithm of ``area_tolerance``. In an accepted pair, each squared deviation is at most 1.
 
 Examples
 --------
@@ -205,8 +205,8 @@ Examples
                 "float: misfit of the pair, from 0 = perfect; inf without a pair. The misfit of "
                 "the fit to\nthe edges is in the measurement."),
           Field("runner_up", &Detection::runner_up,
-                "float: misfit of the second best accepted pair; inf without one. If the value is "
-                "close to\nthe misfit, the choice is ambiguous."),
+                "float: misfit of the second best accepted pair; inf without such a pair. If the "
+                "value is\nclose to the misfit, the choice is ambiguous."),
           Field("exchanged", &Detection::exchanged), Field("distance", &Detection::distance),
           Field("first_area", &Detection::first_area),
           Field("second_area", &Detection::second_area),

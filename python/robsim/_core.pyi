@@ -275,10 +275,10 @@ class Frame:
     plane_map : PlaneMap, optional
         Pixels to work area. Default: the identity.
     headings : int, optional
-        Number of drawn headings of the robot, at whole pixels, as in frames of a simulation: no
-        measurement of its pose is better, and the covariance includes this. By default any heading is
-        possible, as in a real camera's frames. A frame made only from the pixels of a simulated frame
-        needs this number.
+        Number of drawn headings of the robot, at whole pixels, as in frames of a simulation. This
+        rounding limits the accuracy of a measured pose, and the covariance includes it. By default any
+        heading is possible, as in a real camera's frames. A frame made only from the pixels of a
+        simulated frame needs this number.
     
     Examples
     --------
@@ -1178,7 +1178,7 @@ class Detection:
     
     The misfit is the sum of three squared deviations. The deviation of the distance is divided by the
     markers' ``distance_tolerance``. The deviations of the logarithms of the two areas are divided by
-    the logarithm of ``area_tolerance``. In an accepted pair each is at most 1.
+    the logarithm of ``area_tolerance``. In an accepted pair, each squared deviation is at most 1.
     
     Examples
     --------
@@ -1246,8 +1246,8 @@ class Detection:
     @property
     def runner_up(self) -> float:
         """
-        float: misfit of the second best accepted pair; inf without one. If the value is close to
-        the misfit, the choice is ambiguous.
+        float: misfit of the second best accepted pair; inf without such a pair. If the value is
+        close to the misfit, the choice is ambiguous.
         """
     @property
     def seen(self) -> dict[str, Blob] | None:
@@ -1753,7 +1753,7 @@ class Step:
     def detection(self) -> Detection | None:
         """
         Detection or None: the result of the default measurement, also with the reason for a missing
-        pose. None before that stage, for a callback, and without a frame.
+        pose. None before the measurement, in a step without a frame, and if a callback measures.
         """
     @property
     def dt(self) -> float:
@@ -1794,7 +1794,7 @@ class Step:
     @property
     def measurement(self) -> Measurement | None:
         """
-        Measurement or None: the measured pose. None before that stage.
+        Measurement or None: the measured pose. None before the measurement.
         """
     @property
     def parameters(self) -> numpy.typing.NDArray[numpy.float64] | None:

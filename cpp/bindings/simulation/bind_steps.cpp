@@ -90,10 +90,11 @@ auto fields_of_step(const Make& make, const More&... more) {
       Field("parameters", read(&Step::parameters),
             "array (3, 5) or None: the parameters estimated so far."),
       Field("measurement", read(&Step::measurement),
-            "Measurement or None: the measured pose. None before that stage."),
+            "Measurement or None: the measured pose. None before the measurement."),
       Field("detection", detection,
             "Detection or None: the result of the default measurement, also with the reason for a "
-            "missing\npose. None before that stage, for a callback, and without a frame."),
+            "missing\npose. None before the measurement, in a step without a frame, and if a "
+            "callback measures."),
       Field("estimate", read(&Step::estimate),
             "Estimate or None: the result of the state estimator."),
       more...);

@@ -181,8 +181,8 @@ class MultiSine(_Band):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range. During a run, if the maximum frequency
-        is not below half the sampling frequency.
+        If an argument has the wrong type or is out of range. Also raised during a run if the
+        maximum frequency is not below half the sampling frequency.
 
     Notes
     -----
@@ -283,8 +283,8 @@ class Chirp(_Band):
     Raises
     ------
     TypeError, ValueError
-        If an argument has the wrong type or is out of range. During a run, if the maximum frequency
-        is not below half the sampling frequency.
+        If an argument has the wrong type or is out of range. Also raised during a run if the
+        maximum frequency is not below half the sampling frequency.
 
     Notes
     -----

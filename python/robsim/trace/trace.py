@@ -292,7 +292,7 @@ class Trace:
         Returns
         -------
         TrackingStatistics
-            Numbers of steps with and without a seen robot, the reasons, and false poses. The errors
+            Numbers of steps with and without a seen robot, the reasons, false poses, and the errors
             that measurements report. The root mean square error and the largest error exclude false
             poses; the median error includes all poses.
         """

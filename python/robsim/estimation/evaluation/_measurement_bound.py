@@ -288,7 +288,7 @@ def measurement_bound(
 ) -> MeasurementBound:
     """Return the smallest possible error of a pose measured from the robot's markers.
 
-    The bound uses only the pixels of the markers and around them. The bound assumes that the
+    The bound uses only pixels of the markers and pixels around them. The bound assumes that the
     brightness of the markers and of the floor next to them and the blur of the picture are unknown.
     The rest of the robot does not count.
 
@@ -333,8 +333,8 @@ def measurement_bound(
     information of the rounded and clipped value, and the result is the Cramér-Rao bound [1]_. The
     limits of uniform noise and of rounding move with the pose, so that it has no such bound: J is
     (d mean / d mu)^2 / variance, and no estimate that is linear in the pixels is better.
-    signal_to_noise^2 = sum_ic J(mu_ic) (contrast_kc phi(d_i / w))^2: the rms in place is about 2 w
-    / signal_to_noise for two round markers.
+    signal_to_noise^2 = sum_ic J(mu_ic) (contrast_kc phi(d_i / w))^2: the rms error of the position
+    is about 2 w / signal_to_noise for two round markers.
 
     References
     ----------

@@ -202,7 +202,7 @@ class ConsistencyReport(Report):
 
     @property
     def mean_band(self) -> Floats:
-        """The 95 % chi-square band (2,) of the mean, valid only for white values, as of a NIS."""
+        """The 95 % chi-square band (2,) of the mean, valid only for white values such as a NIS."""
         return chi_square_band(self.n, runs=int(self.counts.sum()), level=JUDGED_LEVEL)
 
     @property

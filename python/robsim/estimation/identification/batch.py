@@ -344,7 +344,7 @@ def batch_estimate(
     motor_delay : float or str
         Delay of the inputs (steps of the model), 0..1000: the `motor_delay` of a simulated world,
         the ``trace.timing().motor_delay`` of a live one. ``"fit"``: estimate it, too, within 0..10
-        steps, with the method ``"output_error"``. The delay refers to ``trace.u``, or from
+        steps, with the method ``"output_error"``. The delay refers to ``trace.u``, or to
         ``trace.last_u`` if the frames reported the motors' inputs.
 
     Returns

@@ -76,7 +76,7 @@ class Identifiability(Report):
     def verdicts(self) -> NDArray[np.str_]:
         """Array (3, 5): ``"well"``, ``"poorly"`` or ``"not excited"``.
 
-        "well" means that the standard error is at most 5 % of the parameter. Poorly: at most 50 %.
+        "well" means that the standard error is at most 5 % of the parameter, "poorly" at most 50 %.
         """
         return _verdicts(self.relative)
 

@@ -100,9 +100,9 @@ class Camera(Closing):
         Frames per second: requested from a camera by number, on FireWire or on GigE; the rate of
         an address without its own rate; or the playback rate of a folder. Default: a file's own
         rate, a GigE camera's current rate, or on FireWire 30 or the next lower rate that camera and
-        bus support. Otherwise `dt` is unknown. On FireWire and GigE a warning reports a rate that
-        differs from the requested rate, and `dt` follows the actual rate. A run warns if any camera
-        sends at most half of its rate.
+        bus support. For other sources, `dt` is then unknown. On FireWire and GigE a warning reports
+        a rate that differs from the requested rate, and `dt` follows the actual rate. A run warns
+        if any camera sends at most half of its rate.
     coding : str, optional
         The camera's pixel coding: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,
@@ -152,16 +152,16 @@ class Camera(Closing):
     FileNotFoundError
         If the file or folder does not exist.
     TypeError, ValueError
-        If an argument has the wrong type or is out of range, a file is not a video, or `fps` is
-        missing.
+        If an argument has the wrong type or is out of range, or a file is not a video. If `fps` is
+        missing for a folder.
 
     Notes
     -----
     The times of the frames (s) start at the first frame: ``t`` is the exposure time, if known, and
     ``t_arrival`` is the arrival time. A camera belongs to the process that opened it. A separate
     process reads network cameras and cameras by number, so frames stay current even while a
-    callback blocks the interpreter. The process ends when the camera is closed. On Windows, this
-    process reads them.
+    callback blocks the interpreter. That process ends when the camera is closed. On Windows, the
+    calling process reads these cameras.
 
     RTSP frames carry stamps. A frame is dropped and counted if its delay exceeds the smallest delay
     of the last 10 s by 0.1 s. The camera's encoder may delay all frames by the same time, which the

@@ -85,7 +85,8 @@ class Session:
     FileNotFoundError
         If the file does not exist, or a folder has no session.
     TypeError, ValueError
-        If the file is damaged, or is not a session. During iteration, also if a frame is damaged.
+        If the file is damaged, or is not a session. Also raised during iteration if a frame is
+        damaged.
 
     Notes
     -----

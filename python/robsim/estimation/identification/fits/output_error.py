@@ -197,9 +197,8 @@ def output_error(
     are unequal, Biometrika 58(3), 1971. The likelihood ratio is the test statistic for process
     noise. Source of its distribution at variances of 0: Self and Liang, Asymptotic properties of
     maximum likelihood estimators and likelihood ratio tests under nonstandard conditions, JASA
-    82(398),
-    1987. A correlation of neighbouring errors of the poses replaces process noise if it is more
-    likely.
+    82(398), 1987. A correlation of neighbouring errors of the poses replaces process noise if the
+    correlation is more likely.
 
     Examples
     --------
