@@ -16,8 +16,6 @@ APART = ("estimation.reference", "teach.gym")
 
 # Public names without an example that runs and shows a result. This list only becomes shorter.
 WITHOUT: set[str] = {
-    "robsim.estimation.ConvergenceReport",
-    "robsim.estimation.Report",
     "robsim.gui.FloorPanel",
     "robsim.gui.replay",
     "robsim.lab.BoardPicture",
@@ -29,18 +27,14 @@ WITHOUT: set[str] = {
     "robsim.lab.calibrate_lens",
     "robsim.lab.find_sheets",
     "robsim.lab.sheet_shifts",
-    "robsim.plotting.plot_runs",
     "robsim.simulation.Renderer",
     "robsim.simulation.Scene",
-    "robsim.teach.FileTests",
     "robsim.teach.PlayedRun",
     "robsim.teach.SolutionMarks",
-    "robsim.teach.SourceLine",
     "robsim.teach.TaskCalibration",
     "robsim.teach.calibrate_assignment",
     "robsim.teach.calibrate_task",
     "robsim.teach.check_assignment",
-    "robsim.teach.clean_text",
 }
 
 

@@ -20,7 +20,7 @@ _INSTALLED = tuple({sysconfig.get_path(name) for name in ("stdlib", "platstdlib"
 
 @dataclass(frozen=True)
 class SourceLine:
-    """A line of the code under test.
+    r"""A line of the code under test.
 
     Attributes
     ----------
@@ -30,6 +30,15 @@ class SourceLine:
         Number of the line, from 1.
     function : str
         Name of the function that contains it.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> Path("mine").mkdir()
+    >>> size = Path("mine/control.py").write_text("def control(step):\n    return 1 / step.k")
+    >>> line = robsim.teach.check_folder("mine").problems[0].line
+    >>> print(line, "has", line.text)
+    control.py:2 in control has return 1 / step.k
     """
 
     file: str

@@ -66,6 +66,9 @@ def plot_runs(
     >>> slow = robsim.GoToPoint(500, 400, maximum_speed=15)
     >>> runs = {"default": near, "slow": robsim.Simulation(control=slow, **options).run(60)}
     >>> figure = robsim.plotting.plot_runs(runs, goals=(500, 400))
+    >>> distances = figure.axes[1].lines  # px from the goal
+    >>> {line.get_label(): round(line.get_ydata()[-1]) for line in distances}
+    {'default': 15, 'slow': 98}
     """
     traces = _checked(runs)
     points = None if goals is None else as_goals(goals)

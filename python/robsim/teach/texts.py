@@ -32,7 +32,7 @@ _MARKS = re.compile(f"({_MARK}{{3}}){_MARK}+")
 
 
 def clean_text(text: str, most: int = MOST_TEXT) -> str:
-    """Return a student's text as harmless text, with escapes for invisible characters.
+    r"""Return a student's text as harmless text, with escapes for invisible characters.
 
     The result is harmless in a terminal, XML 1.0 and JSON. HTML and Markdown have special
     characters, so escape or fence the text there. The function cuts the text first.
@@ -48,6 +48,13 @@ def clean_text(text: str, most: int = MOST_TEXT) -> str:
     ------
     TypeError, ValueError
         If an argument is wrong; the message names it.
+
+    Examples
+    --------
+    >>> print(robsim.teach.clean_text("done\x1b[8m, and a hidden text"))
+    done\x1b[8m, and a hidden text
+    >>> robsim.teach.clean_text("a" * 50, most=12)
+    'aaaaaaaa ...'
     """
     check_text("text", text)
     return _cleaned(text, check_int("most", most, minimum=0, maximum=2**31))

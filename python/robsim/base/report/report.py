@@ -26,31 +26,29 @@ class Report(ABC):
 
     Examples
     --------
-    A custom metric::
+    A custom metric:
 
-        @dataclass(frozen=True, kw_only=True)
-        class Effort(Report):
-            rms: float
-            largest: float
-
-            @property
-            def title(self):
-                return "Voltages of both motors"
-
-            @property
-            def verdict(self):
-                return "gentle" if self.largest < 1 else "rough"
-
-            @property
-            def quantities(self):
-                return (
-                    Quantity("rms", "root mean square", self.rms, "V"),
-                    Quantity("largest", "largest", self.largest, "V", ".2f"),
-                )
-
-
-        def effort(trace):
-            return Effort(rms=np.sqrt(np.mean(trace.u**2)), largest=np.abs(trace.u).max())
+    >>> from dataclasses import dataclass
+    >>> from robsim.estimation import Quantity, Report
+    >>> @dataclass(frozen=True, kw_only=True)
+    ... class Effort(Report):
+    ...     largest: float
+    ...
+    ...     @property
+    ...     def title(self):
+    ...         return "Voltages of both motors"
+    ...
+    ...     @property
+    ...     def verdict(self):
+    ...         return "gentle" if self.largest < 1 else "rough"
+    ...
+    ...     @property
+    ...     def quantities(self):
+    ...         return (Quantity("largest", "largest", self.largest, "V", ".2f"),)
+    >>> trace = robsim.Simulation(control=lambda step: (0.4, 0.6)).run(20)
+    >>> print(Effort(largest=np.abs(trace.u).max()))
+    Voltages of both motors: gentle
+      largest (V)   0.60
     """
 
     def __init_subclass__(cls, **options: Any) -> None:

@@ -82,6 +82,14 @@ class ConvergenceReport(Report):
         Standard errors of the last estimate from the prediction errors; 0 if unknown.
     unit : str
         The unit of lengths, as in the trace.
+
+    Examples
+    --------
+    >>> options = dict(estimate_parameters=True, identify_from="measurement")
+    >>> sim = robsim.Simulation(seed=1, control=robsim.DriveAround(), measure=True, **options)
+    >>> report = robsim.estimation.parameter_convergence(sim.run(300))
+    >>> report.verdict, [f"{theta[2, 0]:.1f}" for theta in (report.theta_true, report.last)]
+    ('not converged', ['1.8', '1.2'])
     """
 
     theta_true: Floats

@@ -86,6 +86,12 @@ class FileTests:
         The file.
     public : bool
         Whether students get the file.
+
+    Examples
+    --------
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> [(tests.path.name, tests.public) for tests in assignment.files]
+    [('own_tests.py', True)]
     """
 
     path: Path
