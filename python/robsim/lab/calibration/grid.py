@@ -227,6 +227,20 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
         If OpenCV is not installed.
     TypeError, ValueError
         If an argument has the wrong type, or the picture has another size.
+
+    Examples
+    --------
+    >>> picture = np.full((480, 640, 3), 200, np.uint8)  # 1 px per mm
+    >>> sheet = robsim.lab.FloorSheet(number=3, mark=60)
+    >>> for x, y, width, height in np.rint(sheet.rectangles).astype(int):
+    ...     picture[176 + y : 176 + y + height, 221 + x : 221 + x + width] = 20
+    >>> found = robsim.lab.calibrate_floor_by_sheets(
+    ...     [picture], area=(300, 300), mm_per_px=2, mark=60
+    ... )
+    >>> moved = np.roll(picture, 5, axis=1)  # 5 px to the right
+    >>> shifts = robsim.lab.sheet_shifts(moved, found.calibration)
+    >>> {number: round(shift, 1) for number, shift in shifts.items()}
+    {3: 5.0}
     """
     check_kind("calibration", calibration, Calibration)
     pixels = frame_pixels("image", image)

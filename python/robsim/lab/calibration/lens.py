@@ -108,6 +108,21 @@ def calibrate_lens(
     Source: Z. Zhang, A flexible new technique for camera calibration, IEEE Transactions on Pattern
     Analysis and Machine Intelligence 22(11), 2000. OpenCV computes two radial and two tangential
     coefficients, and a third radial coefficient if the pictures determine it.
+
+    Examples
+    --------
+    >>> import cv2
+    >>> squares = np.dstack(3 * [255 * np.uint8(np.indices((7, 10)).sum(axis=0) % 2)])
+    >>> camera = np.array([(500, 0, 320), (0, 500, 240), (0, 0, 1)])  # its focal length: 500 px
+    >>> def picture(*tilt):  # of squares of 20 mm, at a distance of 300 mm
+    ...     turn, _ = cv2.Rodrigues(np.array(tilt))
+    ...     view = camera @ np.column_stack([20 * turn[:, :2], (-90, -60, 300)])
+    ...     return cv2.warpPerspective(squares, view, (640, 480), flags=0, borderValue=3 * [255])
+    >>> tilts = [(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, -0.5, 0.0), (0.0, 0.5, 0.0)]
+    >>> board = robsim.lab.Chessboard(columns=9, rows=6, square=20)
+    >>> found = robsim.lab.calibrate_lens([picture(*tilt) for tilt in tilts], board)
+    >>> int(found.calibration.intrinsics.matrix[0, 0].round(-1))
+    500
     """
     cv2 = load_opencv("calibrating a lens")
     if not isinstance(board, (Chessboard, Charuco)):

@@ -66,6 +66,17 @@ class BoardPicture:
         Angle between the board and the picture (rad).
     is_used : bool
         False: the picture does not fit the others, and was left out.
+
+    Examples
+    --------
+    A board parallel to the picture:
+
+    >>> squares = np.pad(np.indices((7, 10)).sum(axis=0) % 2, 3, constant_values=1)
+    >>> picture = np.dstack(3 * [np.kron(squares, np.full((30, 30), 255)).astype(np.uint8)])
+    >>> pictures = [np.roll(picture, shift, axis=(0, 1)) for shift in (-40, 0, 40, 80)]
+    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard(columns=9, rows=6))
+    >>> [(one.name, one.corners, f"{np.degrees(one.tilt):.0f}") for one in found.pictures[:2]]
+    [('1', 54, '0'), ('2', 54, '0')]
     """
 
     name: str
@@ -94,6 +105,17 @@ class LensCalibration(Report):
         Whether the pictures determine a third radial coefficient.
     coverage : array (4, 4) of int
         Corners in each cell of the picture, row by row from the top left.
+
+    Examples
+    --------
+    Too few pictures of a board that is never tilted:
+
+    >>> squares = np.pad(np.indices((7, 10)).sum(axis=0) % 2, 3, constant_values=1)
+    >>> picture = np.dstack(3 * [np.kron(squares, np.full((30, 30), 255)).astype(np.uint8)])
+    >>> pictures = [np.roll(picture, shift, axis=(0, 1)) for shift in (-40, 0, 40, 80)]
+    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard(columns=9, rows=6))
+    >>> [problem.kind for problem in found.problems]
+    ['pictures', 'coverage', 'tilt']
     """
 
     calibration: Calibration

@@ -209,6 +209,16 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
         If OpenCV is not installed.
     TypeError, ValueError
         If an argument has the wrong type, or is out of range, or if the picture is mirrored.
+
+    Examples
+    --------
+    >>> picture = np.full((480, 640, 3), 200, np.uint8)  # 1 px per mm
+    >>> sheet = robsim.lab.FloorSheet(number=3, mark=60)
+    >>> for x, y, width, height in np.rint(sheet.rectangles).astype(int):
+    ...     picture[176 + y : 176 + y + height, 221 + x : 221 + x + width] = 20
+    >>> found = robsim.lab.find_sheets(picture, mark=60)
+    >>> {number: len(corners.pixels) for number, corners in found.items()}
+    {3: 24}
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     seen: dict[int, list[tuple[int, Floats]]] = {}
