@@ -16,18 +16,10 @@ APART = ("estimation.reference", "teach.gym")
 
 # Public names without an example that runs and shows a result. This list only becomes shorter.
 WITHOUT: set[str] = {
-    "robsim.gui.FloorPanel",
-    "robsim.gui.replay",
     "robsim.lab.LineCounts",
     "robsim.lab.MotorEvent",
     "robsim.simulation.Renderer",
     "robsim.simulation.Scene",
-    "robsim.teach.PlayedRun",
-    "robsim.teach.SolutionMarks",
-    "robsim.teach.TaskCalibration",
-    "robsim.teach.calibrate_assignment",
-    "robsim.teach.calibrate_task",
-    "robsim.teach.check_assignment",
 }
 
 

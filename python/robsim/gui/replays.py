@@ -54,7 +54,16 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
 
     Examples
     --------
-    >>> robsim.gui.replay("run.replay")  # doctest: +SKIP
+    >>> import json, pathlib
+    >>> parts = {"format": "robsim replay 1", "scenario": "", "slots": ["control"],
+    ...          "files": {"control": "def control(step): return 0, 0"},
+    ...          "changes": [], "steps": 0, "digest": ""}
+    >>> size = pathlib.Path("run.replay").write_text(json.dumps(parts))
+    >>> robsim.gui.replay("run.replay")
+    Traceback (most recent call last):
+        ...
+    PermissionError: run.replay contains Python code, which would run with your rights: control.py
+    (1 lines); read the code, then pass trust=True, in the shell --trust
     """
     check_bool("trust", trust)
     file = ReplayFile.load(path)

@@ -62,6 +62,16 @@ def calibrate_assignment(
         If the limits cannot be written.
     TypeError, ValueError
         If an argument is wrong.
+
+    Examples
+    --------
+    >>> assignment = robsim.teach.new_assignment("measure", "hw1", seed=1)
+    >>> file = assignment.folder / "assignment.toml"
+    >>> short = file.read_text().replace("steps = 60", "steps = 2").replace("runs = 10", "runs = 1")
+    >>> size = file.write_text(short)
+    >>> found = robsim.teach.calibrate_assignment("hw1", provisional=True, progress=False)
+    >>> {name: (one.tests, one.provisional) for name, one in found.items()}
+    {'public': (40, 'few tests'), 'hidden': (40, 'few tests')}
     """
     assignment = load_assignment(folder)
     check_bool("progress", progress)

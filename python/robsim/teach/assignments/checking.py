@@ -73,6 +73,17 @@ def check_assignment(
     A right solution sometimes loses points (at the calibrated rate), and a wrong solution sometimes
     passes. So a submission with an unexpected result is graded two more times, with other seeds.
     The report has a problem if two of three results are unexpected.
+
+    Examples
+    --------
+    A check takes minutes, but refuses an incomplete assignment at once:
+
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> (assignment.folder / "own_tests.py").unlink()
+    >>> robsim.teach.check_assignment("hw1")
+    Traceback (most recent call last):
+        ...
+    robsim.teach.AssignmentError: assignment.toml, line 66: [files.1] file own_tests.py is missing
     """
     engine = engine_value(executor)
     assignment = load_assignment(folder)

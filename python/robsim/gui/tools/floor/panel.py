@@ -24,6 +24,16 @@ class FloorPanel(ToolPanel):
 
     The methods have the same effects as the mouse, and any thread may call them. The end of a
     ``with`` block closes the panel, but not the camera or run that supplies the pictures.
+
+    Examples
+    --------
+    Four corners of a floor of tiles, from which the panel finds the others:
+
+    >>> with robsim.gui.floor_panel() as tool:
+    ...     tool.put([(230, 161), (569, 161), (634, 492), (165, 492)],
+    ...              [(300, 300), (2100, 300), (2100, 2100), (300, 2100)])
+    ...     print(tool.fill(300), "corners found, the fit is", tool.report.verdict)
+    77 corners found, the fit is good
     """
 
     _maker = "robsim.gui.floor_panel"

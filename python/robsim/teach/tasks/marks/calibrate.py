@@ -105,6 +105,15 @@ def calibrate_task(
     tests. The limits are tolerance bounds, which are valid for any distribution of the scores; see
     `bound_rank`. Provisional limits are an estimate: their tests are drawn with replacement from a
     few runs. The estimate does not include events that are rarer than these runs.
+
+    Examples
+    --------
+    >>> task = robsim.teach.MeasureTask(runs=1, steps=2)
+    >>> names = ("reference", "centroids", "naive")
+    >>> few = [one for one in task.solutions if one.name in names]
+    >>> found = robsim.teach.calibrate_task(task, few, provisional=True, progress=False)
+    >>> {one.name: one.points for one in found.solutions}
+    {'reference': 1.0, 'centroids': 1.0, 'naive': 0.0}
     """
     chosen = _chosen(task, solutions)
     count, rank = _count_and_rank(false_fail, confidence, tests)

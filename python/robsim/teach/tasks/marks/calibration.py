@@ -50,6 +50,15 @@ class SolutionMarks:
         The median of its points, 0..1.
     statistics : mapping of str to float
         The median of each score's statistic; None = all runs failed.
+
+    Examples
+    --------
+    >>> import json, pathlib
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> public = json.loads(pathlib.Path("hw1/limits.json").read_text())["tests"]["public"]
+    >>> found = robsim.teach.TaskCalibration.from_record(public["calibration"])
+    >>> [(one.name, one.failing, one.tests) for one in found.solutions[:3]]
+    [('reference', 0, 299), ('straight', 0, 299), ('naive', 60, 60)]
     """
 
     name: str
@@ -105,6 +114,15 @@ class TaskCalibration(Report):
     provisional : str
         The source of provisional limits: ``"shipped task"`` or ``"few tests"``; "" = the limits are
         exact.
+
+    Examples
+    --------
+    >>> import json, pathlib
+    >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
+    >>> public = json.loads(pathlib.Path("hw1/limits.json").read_text())["tests"]["public"]
+    >>> found = robsim.teach.TaskCalibration.from_record(public["calibration"])
+    >>> found.verdict, round(found.limits["overshoot"].full, 2), found.provisional
+    ('wrong solutions fail', 1.19, 'shipped task')
     """
 
     task: str
