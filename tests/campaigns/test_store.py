@@ -140,7 +140,7 @@ def test_what_is_no_store_is_refused(store):
     store.unlink()
     rows_in(store, "CREATE TABLE mine (x)")
     for seed in (1, None):
-        with pytest.raises(ValueError, match="no store"):
+        with pytest.raises(ValueError, match="not the store"):
             run(store, seed=seed)
 
 

@@ -171,6 +171,6 @@ def test_the_command_copies_them_and_never_overwrites(tmp_path):
         (tmp_path / "coursework" / file.name).unlink()
     again = command("notebooks", "coursework", cwd=tmp_path)
     assert again.exit_code == 2
-    assert f"coursework has {mine.name}, axes.svg already: nothing was written" in again.stderr
+    assert f"coursework already has {mine.name}, axes.svg: robsim wrote nothing" in again.stderr
     assert sorted(file.name for file in mine.parent.iterdir()) == [mine.name, "axes.svg"]
     assert mine.read_text() == "my work"

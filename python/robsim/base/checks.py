@@ -64,8 +64,8 @@ def check_heading(name: str, heading: float) -> None:
     """Raise ValueError if a pose's heading is beyond -2 pi..2 pi, as headings in degrees are."""
     if abs(heading) > 2 * math.pi:
         raise ValueError(
-            f"{name} must have a heading in rad, within -2 pi..2 pi, got {heading:g}; if it is "
-            f"in degrees, give {math.radians(heading):.4g} rad, numpy.radians({heading:g})"
+            f"{name} must have a heading in rad within -2 pi..2 pi, got {heading:g}; to convert "
+            f"degrees, use numpy.radians({heading:g}) = {math.radians(heading):.4g} rad"
         )
 
 

@@ -10,5 +10,5 @@ def check_has_threads(part: str) -> None:
     if sys.platform == "emscripten":
         raise NotImplementedError(
             f"{part} needs threads, and Python in a browser has no threads. Runs, tracking, "
-            "estimation and figures work here; for all else install robsim on a computer."
+            "estimation and figures work here; for everything else, install robsim on a computer."
         )

@@ -123,7 +123,7 @@ class Store:
             self.spec = self.spec._with_seed(seed)
         if (other := difference(notes["description"], description_of(self.spec))) is not None:
             raise ValueError(
-                f"it has another campaign: {other}; use another file, or remove this one"
+                f"this file has another campaign: {other}; use another file, or remove this file"
             )
         now, then = surroundings(), notes["surroundings"]
         if changed := [name for name in now if now[name] != then.get(name)]:
@@ -182,7 +182,7 @@ class Store:
             there.issuperset(columns.values())
             and all(f"{name}_".startswith(metrics) for name in columns)
         ):
-            raise ValueError("its runs lack columns that it names")
+            raise ValueError("its runs lack some of the columns in its list of columns")
         return columns
 
     def _add_column(self, name: str, columns: Mapping[str, str]) -> str:
@@ -211,7 +211,7 @@ class Store:
         count = len(self.spec.cases) * self.spec.runs
         with _naming(self.path):
             if (there := self.count()) != count:
-                raise LookupError(f"the store has {there} of {count} runs")
+                raise LookupError(f"the store has only {there} of {count} runs")
             metrics = self._columns()
             numbers = self._numbers({name: name for name in _NUMBERS} | metrics, count)
             texts = self._texts(count)
@@ -285,7 +285,9 @@ def _connection(file: Path | str) -> sqlite3.Connection:
         with suppress(FileNotFoundError), open_file(Path(f"{name}-journal")) as journal:
             journal.seek(max(0, journal.seek(0, os.SEEK_END) - len(_SUPER_JOURNAL)))
             if journal.read() == _SUPER_JOURNAL:  # SQLite would delete the other file
-                raise ValueError(f"robsim did not write {one_line(journal.name)}: move it away")
+                raise ValueError(
+                    f"another program wrote {one_line(journal.name)}: move it to another folder"
+                )
     database = sqlite3.connect(file, timeout=_PATIENCE, isolation_level=None)
     database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MOST_VALUE)
     database.execute("PRAGMA trusted_schema = OFF")
@@ -310,13 +312,13 @@ def _check_is_store(database: sqlite3.Connection) -> None:
     """Raise ValueError for a file of another program, or of another version."""
     if not _is_store(database):
         raise ValueError(
-            "it is no store of a campaign, or has tables, indexes, views or triggers not made by "
-            "robsim: use another file"
+            "this is not the store of a campaign, or it has tables, indexes, views or triggers of "
+            "another program: use another file"
         )
     number = _notes(database)["format"]
     if number != _FORMAT:
         raise ValueError(
-            f"it has format {quoted(number)}, but this version of robsim reads {_FORMAT}"
+            f"it has format {quoted(number)}, but this version of robsim reads format {_FORMAT}"
         )
 
 

@@ -111,7 +111,7 @@ def options_value(vary: Any) -> dict[str, dict[Label, Choice]]:
 
 def _option_name(name: Any) -> str:
     if not isinstance(name, str):
-        raise TypeError(f"vary must have names of options, got {quoted(name)}")
+        raise TypeError(f"vary must have option names as keys, got {quoted(name)}")
     check_names("vary: a simulation has no option", [name], (*OPTIONS, *SLOTS, FOLDER), ValueError)
     return name
 
@@ -166,8 +166,8 @@ def _label_of(name: str, value: Any) -> Label:
         if 0 < len(text) <= _LONGEST_LABEL and text.isprintable():
             return text
     raise ValueError(
-        f"vary: {name} needs labels: give a mapping of label to value, such as "
-        f"{{'mine': ...}}, for {quoted(value)}"
+        f"vary: {name} needs a label for {quoted(value)}: give a mapping of label to value, such "
+        "as {'mine': ...}"
     )
 
 
@@ -177,7 +177,7 @@ def choice_of(name: str, value: Any, argument: str = "vary: ") -> Choice:
         return value
     if name == FOLDER:
         if not isinstance(value, (str, PathLike)):
-            raise TypeError(f"{argument}folder must have paths of folders, got {quoted(value)}")
+            raise TypeError(f"{argument}folder must be the path of a folder, got {quoted(value)}")
         return Folder.read(value, tuple(SLOTS))
     if name not in SLOTS:
         return Data(value)
@@ -202,10 +202,10 @@ def _code(slot: str, value: Any, argument: str) -> Factory | Callback:
         check_callback(slot, value())
         return Factory(slot, value)
     if isclass(value) or not isroutine(value) or getattr(value, "__self__", None) is not None:
-        what = "the class" if isclass(value) else "an object that may remember its run:"
+        what = "the class" if isclass(value) else "an object that may store data of a run:"
         raise TypeError(
-            f"{argument}{slot} must be a function without arguments that makes the callback of a "
-            f"run, or a plain function, got {what} {quoted(value)}; for example use lambda: ..."
+            f"{argument}{slot} must be a plain function, or a function without arguments that "
+            f"makes the callback, such as lambda: ..., got {what} {quoted(value)}"
         )
     check_callback(slot, value)
     return Callback(slot, value)

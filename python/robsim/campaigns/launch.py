@@ -169,7 +169,7 @@ def run_spec(
     check_choice("on_error", on_error, ("record", "raise"))
     file = None if store is None else as_path(store, "store")
     if file is None and spec.keep == "traces":
-        raise ValueError("keep='traces' needs a file for the traces: give store, too")
+        raise ValueError("keep='traces' needs a file for the traces: also give store")
     with closing(Store(file, spec)) as rows:
         rows.add(known)
         _run(rows.spec, engine, rows, shows=progress, stops=on_error == "raise")
@@ -217,7 +217,7 @@ def _raise(spec: CampaignSpec, row: Row) -> NoReturn:
     except Exception as error:
         error.add_note(where)
         raise
-    raise RuntimeError(f"{where}: {row.error}; repeated, the run did not fail")
+    raise RuntimeError(f"{where}: {row.error}; a repeat of the run did not fail")
 
 
 def _how_to_go_on(store: Store, total: int) -> str:

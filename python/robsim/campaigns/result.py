@@ -320,8 +320,8 @@ class CampaignResult(Report):
         fitting = [one for one in cases if all(one.labels.get(name) == case[name] for name in case)]
         if len(fitting) != 1:
             raise ValueError(
-                f"case must fit one of {len(cases)} cases, got {quoted(dict(case))}, which "
-                f"fits {len(fitting)}"
+                f"case must match exactly one of the {len(cases)} cases, got {quoted(dict(case))}, "
+                f"which matches {len(fitting)}"
             )
         return fitting[0]
 

@@ -66,7 +66,7 @@ def train(
         source = _recording(frames[0], area, calibration)
         markers = load_robot(robot).marker_layout()
         if regions and colors is not None:
-            raise ValueError("--colors and --region of a recording must not both be given")
+            raise ValueError("--colors and --region must not both be given for a recording")
         seen = _regions_of_markers(regions, [*markers.colors.values()]) if regions else None
         trained = [*train_markers(source, markers, colors=colors, regions=seen, margin=margin)]
     else:
@@ -100,8 +100,8 @@ def _check_for_a_recording(frames: Sequence[Path], limit_y: bool, figure: Path |
     are_images = all(frame.suffix.lower() in image_suffixes() for frame in frames)
     if are_images or len(frames) > 1:
         raise ValueError(
-            "--name must be given with images, and a --region for each; a recording, which needs "
-            f"neither, is one video, folder or session, got {quoted(str(frames[0]))}"
+            "frames must be one recording (a video, folder or session), or images with --name and "
+            f"one --region per image, got {quoted(str(frames[0]))}"
         )
     for name, value in (("--limit-y", limit_y), ("--figure", figure)):
         if value:
@@ -130,13 +130,13 @@ def _regions_of_markers(texts: Sequence[str], names: Sequence[str]) -> dict[str,
         name, _, box = text.rpartition("=")
         if name not in names or name in regions:
             raise ValueError(
-                f"--region of a recording must be one of {first} and one of {second} in its first "
-                f"frame, such as {first}=578,613,594,630, got {quoted(text)}"
+                f"--region must be given once for {first} and once for {second} in the first frame "
+                f"of a recording, such as {first}=578,613,594,630, got {quoted(text)}"
             )
         regions[name] = parse_region("--region", box)
     if len(regions) == 1:
         raise ValueError(
-            f"--region must be given for {first} and for {second}, got {quoted(texts[0])}"
+            f"--region must be given for both {first} and {second}, got only {quoted(texts[0])}"
         )
     return regions
 
@@ -145,8 +145,8 @@ def _regions_of_images(images: Sequence[Pixels], texts: Sequence[str]) -> list[R
     regions = [parse_region("--region", text) for text in texts]
     if not regions or (len(images) > 1 and len(images) != len(regions)):
         raise ValueError(
-            f"--region must be given once for each of the {len(images)} images, in their "
-            f"order, got {len(regions)}"
+            f"--region must be given once for each of the {len(images)} images, in the order of "
+            f"the images, got {len(regions)} regions"
         )
     return regions
 

@@ -153,12 +153,12 @@ def _marked_regions(
         name, equals, box = text.rpartition("=")
         if not equals or name not in names:
             raise ValueError(
-                f"--region must begin with one of the colours, {', '.join(names)}, such as "
+                f"--region must begin with one of the colours {', '.join(names)}, as in "
                 f"{names[0]}=578,613,594,630, got {quoted(text)}"
             )
         marked.setdefault(name, []).append(parse_region("--region", box))
     if marked and len(images) > 1:
-        raise ValueError(f"--region is for one image, got {len(images)}")
+        raise ValueError(f"--region can only be used with one image, got {len(images)} images")
     return marked
 
 

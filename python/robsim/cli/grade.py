@@ -132,13 +132,13 @@ def grade(
         _check_together(locals())
         if assignment is None:
             raise ValueError(
-                "missing assignment: robsim grade ASSIGNMENT SUBMISSIONS; --check-isolation tests "
-                "this machine"
+                "the assignment is missing: use robsim grade ASSIGNMENT SUBMISSIONS, or use "
+                "--check-isolation to test this machine"
             )
         level = None if isolation is None else check_choice("isolation", isolation, LEVELS)
         given = load_assignment(assignment, isolation=level)
         if play is None and (gui or run is not None):
-            raise ValueError("--gui and --run are for the run to --play: add --play")
+            raise ValueError("--gui and --run can only be used with --play: add --play")
         executor = engine_of(jobs)
         if feedback is not None:
             check_file(feedback)

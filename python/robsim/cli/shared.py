@@ -137,8 +137,8 @@ def check_unit(
         if known is None:
             other = "" if is_simulated else ", or a --calibration with this length"
             raise ValueError(
-                f"--unit {unit} needs --scale MM, the length of a px of the work area on the "
-                f"floor, in mm{other}"
+                f"--unit {unit} needs the length of a px on the floor: give --scale MM, in "
+                f"mm{other}"
             )
 
 

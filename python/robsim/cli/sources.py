@@ -53,7 +53,7 @@ def opened(
     """
     if camera is None:
         raise ValueError(
-            f"--camera is missing: {_CAMERAS}, for a rehearsal; see also robsim cameras"
+            f"--camera is missing: give {_CAMERAS} for a rehearsal; robsim cameras lists cameras"
         )
     check_motors(camera, motors)
     with ExitStack() as stack:
@@ -85,12 +85,13 @@ def _check_step(camera: Camera, model_dt: float | None, every: int | None) -> No
     if camera.dt is None or model_dt is None:
         return
     if not math.isclose(camera.dt, model_dt, rel_tol=DT_TOLERANCE):
-        taken = f"--every {every} of its frames come" if every else "its frames come"
+        taken = f"with --every {every}, frames come" if every else "frames come"
         frames = model_dt / (camera.dt / (every or 1))
         remedy = f", or --every {frames:.0f}" if frames > 1 and abs(frames % 1) < 0.01 else ""
         raise ValueError(
             f"--camera {camera.source}: {taken} {camera.dt:.3g} s apart, but the model of "
-            f"define_model.py has steps of {model_dt:.3g} s: set dt={camera.dt:.3g} there{remedy}"
+            f"define_model.py has steps of {model_dt:.3g} s: set dt={camera.dt:.3g} in "
+            f"define_model.py{remedy}"
         )
 
 
@@ -133,7 +134,7 @@ def check_motors(camera: str, motors: str | None) -> None:
         raise ValueError(f"--motors must be {_MOTORS}, got {quoted(motors)}{hint}")
     if camera != SIMULATED:
         raise ValueError(
-            f"--motors {SIMULATED} are for --camera {SIMULATED}: with another camera, give "
+            f"--motors {SIMULATED} needs --camera {SIMULATED}: with another camera, give "
             f"udp:HOST:PORT, serial:PORT or {NONE}"
         )
 

@@ -44,7 +44,8 @@ def as_waypoints(waypoints: ArrayLike) -> Floats:
         raise ValueError(f"{expected}, got shape {points.shape}{hint}")
     if not (np.abs(points) <= MAXIMUM_COORDINATE).all():  # NaN fails, too
         raise ValueError(
-            f"waypoints must be finite, within {MAXIMUM_COORDINATE:g} px, got {quoted(waypoints)}"
+            f"waypoints must be finite numbers within +-{MAXIMUM_COORDINATE:g} px, "
+            f"got {quoted(waypoints)}"
         )
     points = points.astype(np.float64)
     points.setflags(write=False)

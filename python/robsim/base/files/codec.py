@@ -316,7 +316,7 @@ def flag(name: str, value: Any) -> bool:
 
 def date(name: str, value: Any) -> datetime.datetime:
     if not isinstance(value, datetime.datetime) or value.tzinfo is None:
-        raise TypeError(f"{name} must be a time with its zone, got {in_words(value)}")
+        raise TypeError(f"{name} must be a time with a time zone, got {in_words(value)}")
     return value
 
 
@@ -337,7 +337,7 @@ def base64_pairs(name: str, value: Any) -> Any:
     """Return pairs of float64, as `pairs_base64` writes them."""
     data = base64_bytes(name, value)
     if len(data) % 16:
-        raise ValueError(f"{name} must be pairs of float64, 16 bytes a step, got {len(data)} bytes")
+        raise ValueError(f"{name} must have 16 bytes per step (two float64), got {len(data)} bytes")
     return np.frombuffer(data, "<f8").reshape(-1, 2)
 
 
@@ -350,6 +350,6 @@ def check_format(table: Mapping[str, Any], expected: int) -> None:
     given = table.get("format")
     if type(given) is not int or given != expected:
         raise WrongTable(
-            f"format must be {expected}, got {in_words(given)}: the file is from another robsim "
-            "version or of another kind"
+            f"format must be {expected}, got {in_words(given)}: this is another kind of file, or "
+            "another version of robsim wrote it"
         )

@@ -196,7 +196,7 @@ def write_new_files(contents: Mapping[str, bytes], folder: str | PathLike[str]) 
     existing = [file.name for file in files if os.path.lexists(file)]
     if existing:
         raise FileExistsError(
-            f"{one_line(folder)} has {listed(existing)} already: nothing was written"
+            f"{one_line(folder)} already has {listed(existing)}: robsim wrote nothing"
         )
     folder.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []

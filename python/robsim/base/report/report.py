@@ -55,8 +55,8 @@ class Report(ABC):
         super().__init_subclass__(**options)
         for name in set(_PARTS) & set(cls.__annotations__) - set(vars(cls)):
             raise TypeError(
-                f"{cls.__name__}.{name} must be a property, or a field with a default: Report has "
-                "a property of that name"
+                f"{cls.__name__}.{name} must be a property or a field with a default, because "
+                "Report has a property with this name"
             )
         # A dataclass makes a repr of all its arrays, unless the class defines another one.
         if "__repr__" not in vars(cls):

@@ -96,7 +96,7 @@ def _check_labels(label: Quantity | Column) -> None:
     if label.unit is not None or isinstance(label, Quantity):
         check_text("unit", label.unit)
     if not (isinstance(label.format, str) or callable(label.format)):
-        raise TypeError(f"format must be a format such as '.4g' or a function, got {label.format}")
+        raise TypeError(f"format must be a function, or text such as '.4g', got {label.format}")
 
 
 def _headed(title: str, unit: str) -> str:

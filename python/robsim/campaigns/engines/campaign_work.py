@@ -52,7 +52,10 @@ def check_can_be_sent(spec: CampaignSpec) -> None:
                 f"{what} cannot be sent to other processes ({said_by(error)}): {remedy}"
             ) from error
         if b"__main__" in content and not hasattr(sys.modules["__main__"], "__file__"):
-            raise TypeError(f"{what} of a notebook or a prompt cannot be sent to others: {remedy}")
+            raise TypeError(
+                f"{what} belongs to a notebook or a prompt and cannot be sent to other processes: "
+                f"{remedy}"
+            )
 
 
 def size_for(seconds: float) -> int:

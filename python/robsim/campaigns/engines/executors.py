@@ -142,9 +142,9 @@ def is_dask_client(value: Any) -> TypeGuard[DaskClient]:
         return False
     if getattr(value, "asynchronous", False):
         raise ValueError(
-            "executor is a Dask client with asynchronous=True, whose event loop would wait for "
-            "itself: use one without"
+            "executor must be a Dask client with asynchronous=False, got asynchronous=True, which "
+            "would deadlock"
         )
     if (status := getattr(value, "status", "running")) != "running":
-        raise ValueError(f"executor is a Dask client that is {status}: use a connected one")
+        raise ValueError(f"executor must be a connected Dask client, got a client that is {status}")
     return True

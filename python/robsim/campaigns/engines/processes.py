@@ -58,9 +58,9 @@ class Processes(Workers[JobT, RowT]):
             except _LOST:
                 self.end()
         raise RuntimeError(
-            "executor: the worker processes end at once; a program in a file "
-            "must call this below the line `if __name__ == '__main__':`, and other programs must "
-            "put their own classes and functions into a module"
+            "executor: the worker processes ended at their start. In a program in a file, call "
+            "this below the line `if __name__ == '__main__':`. In any other program, put your own "
+            "classes and functions into a module"
         )
 
     def _begun(self) -> ProcessPoolExecutor:

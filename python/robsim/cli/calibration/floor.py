@@ -71,17 +71,17 @@ def floor(
     if area is None or scale is None:
         missing = [name for name, one in (("--area", area), ("--scale", scale)) if one is None]
         raise ValueError(
-            f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: the size "
-            "of the work area in px, and the length of a px on the floor in mm, such as "
+            f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing: give the "
+            "size of the work area in px, and the length of a px on the floor in mm, such as "
             "--area 1200x1200 --scale 2"
         )
     check_mm_per_px(scale, "--scale")
     height = height_of("--marker-height", marker_height)
     if height and calibration is None:
         raise ValueError(
-            "--marker-height needs a lens, --calibration of robsim calibrate lens, because the "
-            "shift in the picture depends on the lens. Without a lens, measure "
-            "marks at the height of the markers"
+            "--marker-height needs --calibration, a file from robsim calibrate lens, because the "
+            "shift in the picture depends on the lens. Without a lens, measure marks at the "
+            "height of the markers"
         )
     options = {
         "area": parse_size("--area", area),
@@ -106,14 +106,14 @@ def _calibrated(
 
     if marks is None:
         if not sources:
-            raise ValueError("give a picture of floor sheets, or measured marks: --marks")
+            raise ValueError("give a picture of floor sheets, or measured marks with --marks")
         images = [image for _, image in pictures_of(sources)]
         where = dict(_place(text) for text in places)
         return calibrate_floor_by_sheets(images, mark=mark, places=where or None, **options)
     if places:
-        raise ValueError("--place is for sheets, not for marks")
+        raise ValueError("--place is for floor sheets and cannot be used with marks")
     if not sources and options["lens"] is None:
-        raise ValueError("without a lens, also give a picture of the floor: its size is needed")
+        raise ValueError("without --calibration, also give a picture: robsim needs its size")
     image = next(pictures_of(sources))[1] if sources else None
     names, seen, where_they_are = marks
     try:
@@ -131,7 +131,8 @@ def _place(text: str) -> tuple[int, tuple[float, float]]:
         return int(sheet), (x, y)
     except ValueError:
         raise ValueError(
-            f"--place must be a sheet and its place in mm, such as 1:600,400, got {quoted(text)}"
+            "--place must be the number of a floor sheet and its position in mm, such as "
+            f"1:600,400, got {quoted(text)}"
         ) from None
 
 
@@ -139,7 +140,7 @@ def _given_marks(marks: Path | None, pixels: str | None, positions: str | None) 
     """Return names, pixels and positions; None if no marks are given."""
     if marks is not None:
         if pixels or positions:
-            raise ValueError("--marks has pixels and positions: give either these or the file")
+            raise ValueError("give either --marks, or --pixels and --positions, not both")
         return _read_marks(marks)
     if (pixels is None) != (positions is None):
         raise ValueError("--pixels and --positions belong together: give both or neither")
@@ -168,13 +169,13 @@ def _read_marks(file: Path) -> Marks:
                 raise ValueError
         except ValueError:
             raise ValueError(
-                f"{file}: mark {number_of_row} must be name, u, v, x, y such as corner,12,8,0,0, "
-                "separated by commas, semicolons or tabs, without commas in numbers between "
-                f"commas, got {quoted(separator.join(row))}"
+                f"{file}: mark {number_of_row} must be name, u, v, x, y, such as corner,12,8,0,0, "
+                f"got {quoted(separator.join(row))}. Separators are commas, semicolons or tabs; "
+                "numbers between commas need a decimal point"
             ) from None
         names.append(name)
         seen.append(numbers[:2])
         places.append(numbers[2:])
     if not names:
-        raise ValueError(f"{file} has no marks: name, u, v, x, y such as corner,12,8,0,0")
+        raise ValueError(f"{file} has no marks; a mark is a line such as corner,12,8,0,0")
     return names, seen, places

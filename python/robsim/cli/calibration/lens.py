@@ -54,7 +54,7 @@ def lens(
     check_out(out, ".toml")
     pattern = board_of(board, square, charuco=charuco)
     if bool(pictures) == (camera is not None):
-        raise ValueError("give either pictures, or --camera to take them")
+        raise ValueError("give either pictures or --camera")
     if camera is not None:
         named = taken_pictures(camera, pattern, count, keep)
     else:
@@ -103,8 +103,8 @@ def taken_pictures(
         while len(taken) < count:
             if time.monotonic() - since > _PATIENCE:
                 raise TimeoutError(
-                    f"no board stood still at a new place for {_PATIENCE:g} s: {len(taken)} of "
-                    f"{count} pictures were taken"
+                    f"the board was not held still at a new place for {_PATIENCE:g} s: "
+                    f"{len(taken)} of {count} pictures were taken"
                 )
             try:
                 frame = device.read()

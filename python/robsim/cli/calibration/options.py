@@ -115,7 +115,7 @@ def check_out(out: Path, suffix: str, option: str = "--out") -> None:
     from robsim.cli.results import check_folder
 
     if out.suffix.lower() != suffix:
-        raise ValueError(f"{option} must be a file that ends in {suffix}, got {quoted(str(out))}")
+        raise ValueError(f"{option} must be a file name with {suffix}, got {quoted(str(out))}")
     if not out.absolute().parent.is_dir():
-        raise FileNotFoundError(f"the folder {out.parent} for {option} {out.name} does not exist")
+        raise FileNotFoundError(f"{option} {out.name}: the folder {out.parent} does not exist")
     check_folder(out.absolute().parent)

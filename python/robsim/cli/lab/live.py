@@ -90,7 +90,7 @@ def live(
 
     with errors.report_errors(folder), _stops_at_signals():
         if folder is not None and not folder.is_dir():
-            raise FileNotFoundError(f"no folder {folder}: robsim new {folder} writes one")
+            raise FileNotFoundError(f"there is no folder {folder}: robsim new {folder} creates it")
         if steps is not None and seconds is not None:
             raise ValueError("--steps and --seconds both end the run: give only one of them")
         if seconds is not None and not 0 < seconds < float("inf"):

@@ -83,7 +83,7 @@ def gui(
                 )
             if given := [name for name, value in of_a_run.items() if value is not None]:
                 name = given[0].replace("_", "-")
-                raise ValueError(f"--{name} is for a run: with --{tools[0]} nothing runs")
+                raise ValueError(f"--{name} is for a run, but --{tools[0]} starts no run")
             with _tool(tools[0], path, colors, robot, calibration) as tool:
                 show_panel(tool, port, is_wanted=not no_browser)
             return
@@ -154,7 +154,7 @@ def _tool(
     if name == "calibrate":
         for option, given in (("--colors", colors), ("--robot", robot)):
             if given is not None:
-                raise ValueError(f"{option} is not for --calibrate, which uses only the floor")
+                raise ValueError(f"{option} cannot be used with --calibrate: leave it out")
         return floor_panel(what, file=calibration)
     return color_panel(what, robot=robot, file=Path(colors or "colors.toml"))
 
