@@ -91,7 +91,7 @@ def first_part(content=b"x" * 300, **fields):
 def test_what_is_wrong_is_said_and_leaves_nothing(view):
     for parts, said in (
         ([(b"x", {"at": 7})], "no longer known"),
-        ([(b"x" * 100, {}), (b"x", {"at": 99})], "byte 99 after 100"),
+        ([(b"x" * 100, {}), (b"x", {"at": 99})], "at byte 100, got byte 99"),
         ([(b"x" * 301, {})], "differs from the announced 300 bytes"),
         ([(b"x" * 100, {}), (b"", {"at": 100})], "differs from the announced"),
         ([(b"x" * 100, {}), (b"x", {"at": 100, "size": 900})], "changed during the upload"),

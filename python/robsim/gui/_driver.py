@@ -257,7 +257,7 @@ class Driver(Worker):
         first: bool = False,
     ) -> Future[T]:
         if self._is_elsewhere:
-            raise RuntimeError("this run belongs to the process that was forked; create a new run")
+            raise RuntimeError("this run belongs to the parent process; create a new run")
         command = _Command(self, function, ends_run, time.monotonic() if ends_call else None)
         if not self.post(command, first=first):
             command.answer.cancel()
@@ -488,7 +488,8 @@ class _Answer(Future[Any]):
     def _check_thread(self) -> None:
         if not self.done() and self._driver.is_here:
             raise RuntimeError(
-                "a callback cannot wait for a command to its own run, which waits for the callback"
+                "a callback cannot wait for a command to its run, because the run waits for the "
+                "callback"
             )
 
 

@@ -71,7 +71,7 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
         named = ", ".join(f"{name} ({lines} lines)" for name, lines in file.code.items())
         raise PermissionError(
             f"{one_line(path)} contains Python code, which would run with your rights: {named}; "
-            "read the code, then pass trust=True, in the shell --trust"
+            "read the code, then pass trust=True, or --trust in the shell"
         )
     return run_again(file)
 

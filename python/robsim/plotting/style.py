@@ -66,7 +66,7 @@ def check_blobs(blobs: Any) -> None:
     for found in blobs.values() if isinstance(blobs, Mapping) else [None]:
         if not isinstance(found, Sequence) or not all(isinstance(one, Blob) for one in found):
             raise TypeError(
-                "blobs must be a dict of the list of Blob of each colour, from "
+                "blobs must be a dict of colour to list of Blob, as from "
                 f"robsim.find_blobs(frame, colors), got {quoted(blobs)}"
             )
 
@@ -102,7 +102,7 @@ def check_panels(axes: Any, rows: list[list[str]]) -> None:
     """Raise a TypeError or ValueError unless it is a dict of Axes that has the panels."""
     if not isinstance(axes, Mapping):
         raise TypeError(
-            f"axes must be a dict of panels to Axes, as of figure.subplot_mosaic({rows!r}), got "
+            f"axes must be a dict of panels to Axes, as from figure.subplot_mosaic({rows!r}), got "
             f"{quoted(axes)}"
         )
     if missing := sorted({name for row in rows for name in row} - axes.keys()):

@@ -380,8 +380,9 @@ class SeenMarkers:
                 strength += float(weight @ (contrast * density(view.depth / width)) ** 2)
         if strength < _NOTHING:
             raise ValueError(
-                "frame must show markers that differ from their surroundings, got a signal to "
-                f"noise of {math.sqrt(strength):.1f} at the pose {quoted(self._pose.tolist())}"
+                "frame must show markers that differ from their surroundings, got a "
+                f"signal-to-noise ratio of {math.sqrt(strength):.1f} at the pose "
+                f"{quoted(self._pose.tolist())}"
             )
         return MeasurementBound(
             covariance=_inverse(information)[:3, :3],
@@ -401,8 +402,8 @@ def _inverse(information: Floats) -> Floats:
     # Rounding errors make an enormous variance of an infinite one, or a negative one.
     if not ((variances >= 0) & (variances < _FARTHEST**2)).all():
         raise ValueError(
-            "robot must have markers that determine place and heading, got edges in the frame "
-            "that look the same in other poses, such as one straight edge, or are lost in the noise"
+            "robot must have markers that determine its position and heading, but the edges in "
+            "the frame, such as one straight edge, fit several poses or are lost in the noise"
         )
     return np.asarray(covariance, np.float64)
 
@@ -413,7 +414,7 @@ def marker_polygons(robot: Any) -> list[Floats]:
         return [robot.to_robot_frame(marker.polygon) for marker in robot.markers.values()]
     if not isinstance(robot, (list, tuple)) or not robot:
         raise TypeError(
-            "robot must be a RobotDefinition or a sequence of the markers' polygons, "
+            "robot must be a RobotDefinition or a sequence of polygons, one per marker, "
             f"got {quoted(robot)}"
         )
     return [_checked_polygon(as_float_array("robot", polygon)) for polygon in robot]

@@ -208,8 +208,9 @@ def _autocorrelation(w: Floats, lags: int) -> tuple[Floats, NDArray[np.int64], N
     square = np.sum(np.square(w), axis=(0, 1))
     if not pairs.any(axis=0).all() or (square == 0).any():
         raise ValueError(
-            f"innovation must have known values, not all 0, up to {lags} steps apart, "
-            f"got {count.tolist()} known ones in {w.shape[0]} runs of {w.shape[1]} steps"
+            f"innovation must have nonzero values, and pairs of known values for each lag up to "
+            f"{lags} steps, got {count.tolist()} known values in {w.shape[0]} runs of "
+            f"{w.shape[1]} steps"
         )
     # r_k = mean of w(t) w(t+k) / mean of w(t)^2
     sums = np.array([np.sum(w[:, a] * w[:, b], axis=(0, 1)) for a, b in shifted])
@@ -250,7 +251,7 @@ def _whitened_rows(
             raise ValueError(f"{name}[{index}] must be {expected}, got {matrices[i].tolist()}")
 
     if np.isinf(values).any():
-        raise ValueError("errors and innovations must be finite, or NaN where not known, got inf")
+        raise ValueError("errors and innovations must be finite, or NaN if unknown, got inf")
     check(np.isfinite(matrices).all(axis=(1, 2)), "finite, or NaN for a step without one")
     variances = np.diagonal(matrices, axis1=1, axis2=2)
     check((variances > 0).all(axis=1), "positive definite")

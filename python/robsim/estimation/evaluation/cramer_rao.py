@@ -56,8 +56,8 @@ def cramer_rao_bound(phi: ArrayLike, sigma: ArrayLike) -> Floats:
     noise = as_float_array("sigma", sigma)
     if rows.ndim < 2 or np.broadcast_shapes(noise.shape, rows.shape[1:-1]) != rows.shape[1:-1]:
         raise ValueError(
-            f"phi must be of shape (N, ..., n) with a sigma for each ..., got {rows.shape} and "
-            f"{noise.shape}"
+            f"phi must be of shape (N, ..., n), and sigma must broadcast to the shape (...), got "
+            f"{rows.shape} and {noise.shape}"
         )
     if not (noise >= 0).all():
         raise ValueError(f"sigma must be at least 0, got {quoted(sigma)}")
@@ -228,7 +228,7 @@ def _seen_steps(F: Floats, seen: ArrayLike | None) -> NDArray[np.bool_]:
     steps = np.asarray(seen)
     if steps.ndim != 1 or steps.dtype != bool or not len(steps):
         raise ValueError(
-            f"seen must be an array (N,) of bool, required for an F of (n, n), got {quoted(seen)}"
+            f"seen must be a bool array of shape (N,) if F has the shape (n, n), got {quoted(seen)}"
         )
     return steps
 
@@ -285,8 +285,8 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     if trace.bounced[1:].any():
         step = int(trace.k[1:][trace.bounced[1:]][0])
         raise ValueError(
-            f"trace must have no bounce, which the model does not cover, got one at step {step}: "
-            'use a part, trace[a:b], or run with boundary="unlimited"'
+            f"trace must have no bounce, because the model has no walls, got a bounce at step "
+            f'{step}: use a part, trace[a:b], or run with boundary="unlimited"'
         )
     start = as_float_array("P0", P0)
     if start.shape == (3, 3):

@@ -46,7 +46,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     estimate, truth = as_float_array("estimate", estimate), as_float_array("truth", truth)
     for name, values in (("estimate", estimate), ("truth", truth)):
         if np.isinf(values).any():
-            raise ValueError(f"{name} must be finite, or NaN where not known, got inf")
+            raise ValueError(f"{name} must be finite, or NaN if unknown, got inf")
     try:
         error: Floats = np.subtract(estimate, truth, dtype=np.float64)
     except ValueError:
@@ -58,7 +58,7 @@ def wrapped_error(estimate: ArrayLike, truth: ArrayLike, *, angles: Sequence[int
     for angle in angles:
         if not is_int(angle) or not 0 <= angle < size:
             raise ValueError(
-                f"angles must be among the {size} numbers of a row, got {quoted(angle)}"
+                f"angles must be column indices within 0..{size - 1}, got {quoted(angle)}"
             )
         error[..., angle] = wrap_angle(error[..., angle])
     return error
@@ -386,7 +386,7 @@ def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}
     if len(steps) > 1 or not len(runs[0]):
         lengths = sorted({len(trace) for trace in runs})
-        raise ValueError(f"traces must have the same steps, at least one, got lengths {lengths}")
+        raise ValueError(f"traces must all have the same steps, at least 1, got lengths {lengths}")
     return runs
 
 

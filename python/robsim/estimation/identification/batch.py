@@ -382,11 +382,11 @@ def batch_estimate(
     )
     if len(found.k) < _MINIMUM_SAMPLES:
         trace.require(POSES[found.identify_from])
-        where = "the longest of" if select == "longest" else "all"
+        where = "the longest stretch of" if select == "longest" else "all"
         raise ValueError(
             f"a batch estimate from {found.identify_from} needs at least {_MINIMUM_SAMPLES} "
-            f"samples, each of three consecutive steps, got {len(found.k)} in {where} {len(trace)} "
-            "steps"
+            f"samples, got {len(found.k)} in {where} {len(trace)} steps; a sample needs three "
+            "consecutive steps"
         )
     trace.require("u")
     start, stop = int(found.k[0]) - 2, int(found.k[-1]) + 1

@@ -50,10 +50,9 @@ def check_process_sigma(sigma: Sequence[float]) -> Floats:
     """Return the checked option ``process_sigma``, an array (3,)."""
     if isinstance(sigma, (tuple, list)) and len(sigma) == 2:
         raise ValueError(
-            f"process_sigma must be 3 numbers, for x, y and the heading, "
-            f"got {quoted(sigma)}; values of "
-            "a WheelNoise are in V; noise.Q(model, heading) is the covariance of the resulting "
-            "pose"
+            "process_sigma must be 3 numbers, for x, y and the heading, "
+            f"got {quoted(sigma)}. The two values of a WheelNoise are voltages; "
+            "noise.Q(model, heading) returns the covariance of the resulting pose"
         )
     return check_vector3("process_sigma", sigma, minimum=0)
 
@@ -184,7 +183,7 @@ class StateEstimator(ABC):
         """Return the pose of a step, its covariance, and the velocity as further state."""
         if step.k == self._last_step > 0:
             raise RuntimeError(
-                f"step {step.k} came twice: create a filter for each simulation, or reset() it"
+                f"step {step.k} came twice: create a filter for each simulation, or call reset()"
             )
         if step.k == 0 or step.k != self._last_step + 1:
             self.reset()

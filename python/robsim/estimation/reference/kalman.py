@@ -256,7 +256,8 @@ class ModelFilter(StateEstimator):
         check_kind("step", step, Step)
         if step.k != self._last_step:
             raise RuntimeError(
-                f"the filter has not estimated step {step.k}: also use it as estimate_state"
+                f"the filter has not estimated step {step.k}: also pass the filter as "
+                "estimate_state"
             )
         return _StepAhead(step, self.predicted())
 

@@ -236,7 +236,8 @@ class PanelView(View):
 def _runner_and_record(shown: Shown) -> tuple[Simulation | Experiment | Playback, Record]:
     if isinstance(shown, (Simulation, Experiment)) and shown.is_running:
         raise RuntimeError(
-            "the run is already running, but a panel must start it: wait for its end or call stop()"
+            "a panel must start its run, but this run is already running: wait for its end, or "
+            "call stop()"
         )
     if isinstance(shown, Simulation):
         return shown, SimulationRecord(shown)

@@ -55,7 +55,7 @@ class Upload:
         if (_name_in(message), message["size"]) != (self.name, self.size):
             raise Refused(f"{self.name} was changed during the upload")
         if at != len(self.content):
-            raise Refused(f"{self.name} is out of order: byte {at} after {len(self.content)}")
+            raise Refused(f"{self.name} must continue at byte {len(self.content)}, got byte {at}")
         if not part or at + len(part) > self.size:
             raise Refused(f"the size of {self.name} differs from the announced {self.size} bytes")
         self.content += part

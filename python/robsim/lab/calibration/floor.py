@@ -107,7 +107,7 @@ def calibrate_floor(
     if image is not None:
         found = frame_size(image)
         if size is not None and check_size("size", size) != found:
-            raise ValueError(f"size must be that of picture, {found}, got {quoted(size)}")
+            raise ValueError(f"size must be {found}, as for picture, got {quoted(size)}")
         size = found
     lens, size = _lens_and_size(lens, size)
     height = check_float("marker_height", marker_height, "mm", minimum=0)
@@ -295,10 +295,10 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
         raise ValueError(f"names must have the length of pixels, got {len(called)} and {len(seen)}")
     groups = {name: [i for i, one in enumerate(called) if one == name] for name in called}
     if len(groups) < _FEWEST:
-        raise ValueError(f"pixels must have {_FEWEST} marks or more, got {len(groups)}")
+        raise ValueError(f"pixels must have at least {_FEWEST} marks, got {len(groups)}")
     for name, rows in groups.items():
         if np.ptp(places[rows], axis=0).any():
-            raise ValueError(f"positions must be one for each mark, got several of {quoted(name)}")
+            raise ValueError(f"positions must be one per mark, got several for {quoted(name)}")
     return (
         np.array([seen[rows].mean(axis=0) for rows in groups.values()]),
         np.array([places[rows[0]] for rows in groups.values()]),
@@ -427,8 +427,8 @@ def _refuse_mirrored(pixels: Floats, places: Floats) -> None:
     about, *_ = np.linalg.lstsq(known, places, rcond=None)
     if np.linalg.det(about[:2]) < 0:
         raise ValueError(
-            "positions must turn as in the picture, x to the right and y down, got a mirrored "
-            "floor: does y point upwards, or does their order differ from the pixels?"
+            "positions must have x to the right and y down, as in the picture, got a mirrored "
+            "floor: check the direction of y, and the order of positions and pixels"
         )
 
 
@@ -447,7 +447,7 @@ def _seen_sheets(
     if not pixels:
         raise ValueError(
             "pictures must show a floor sheet (robsim calibrate sheet --kind floor), got none in "
-            f"{count}: its marks must be at least 15 px wide, sharp and visible"
+            f"{count}: the marks of a sheet must be at least 15 px wide, sharp and visible"
         )
     moved = max(float(np.ptp(np.array(seen), axis=0).max()) for seen in pixels.values())
     sheets = {}

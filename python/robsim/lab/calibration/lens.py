@@ -33,7 +33,7 @@ def images_of(pictures: Any, names: Sequence[str] | None = None) -> Iterator[Pix
         isinstance(pictures, np.ndarray) and pictures.ndim < 4
     )
     if is_single or not isinstance(pictures, Iterable):
-        raise TypeError(f"pictures must be several, such as a list, got {quoted(pictures)}")
+        raise TypeError(f"pictures must be a list or an iterable, got {quoted(pictures)}")
     size = None
     for number, picture in enumerate(pictures):
         image = frame_pixels("pictures", picture)

@@ -88,8 +88,9 @@ class BoardPictures:
         if len(self) and size != self.size:
             (width, height), (other_width, other_height) = self.size, size
             raise ValueError(
-                f"the pictures of the board are {width} x {height}; this one is {other_width} x "
-                f"{other_height}: {self.remove_first}, or take pictures of that size"
+                f"this picture has {other_width} x {other_height} px, but the pictures of the "
+                f"board have {width} x {height} px: {self.remove_first}, or take pictures of that "
+                "size"
             )
         names = itertools.chain([name], (f"{name} ({n})" for n in itertools.count(2)))
         free = next(one for one in names if one not in self.corners)
@@ -131,7 +132,9 @@ class BoardPictures:
         try:
             return lens_of_views(cv2, self.size, views, {})
         except (ValueError, cv2.error) as error:
-            raise ValueError(f"these pictures do not calibrate the lens: {error}") from error
+            raise ValueError(
+                f"the lens cannot be calibrated from these pictures: {error}"
+            ) from error
 
 
 def _resized(corners: Corners, scale: float) -> Corners:

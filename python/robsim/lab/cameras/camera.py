@@ -295,8 +295,7 @@ class Camera(Closing):
         frame = self._grabber(limit)
         if frame is None:
             raise FrameTimeoutError(
-                f"no frame came from {one_line(self.source)} within {limit:g} s: it can be tried "
-                "again"
+                f"no frame came from {one_line(self.source)} within {limit:g} s: try again"
             )
         return frame
 
@@ -326,7 +325,7 @@ class Camera(Closing):
     def features(self, features: CameraFeatures) -> None:
         check_kind("features", features, CameraFeatures)
         if not hasattr(self._device, "set_features"):
-            raise ValueError(f"{one_line(self.source)} is no camera whose features can be set")
+            raise ValueError(f"{one_line(self.source)} does not allow a change of its features")
         self._device.set_features(features._wishes())
 
     @property

@@ -125,8 +125,8 @@ class SerialMotors(LineMotors):
 def _opened(port: str, baud_rate: int) -> Serial:
     if sys.platform == "win32":
         raise LineError(
-            "SerialMotors is made for Linux and macOS; on Windows, send the inputs with a function "
-            "of your own that writes to pyserial's Serial"
+            "SerialMotors works only on Linux and macOS; on Windows, send the inputs with your own "
+            "function, which writes to pyserial's Serial"
         )
     try:
         from serial import Serial, SerialException
@@ -202,7 +202,7 @@ def _host_and_port(address: str, port: int | None) -> tuple[str, int]:
         host, _, text = address.rpartition(":")
         if not (text.isascii() and text.isdigit() and host):
             raise ValueError(
-                "address must be HOST:PORT, such as '192.168.4.1:5005', or port must be given, "
+                "address must be HOST:PORT, such as '192.168.4.1:5005', if port is omitted, "
                 f"got {quoted(address)}"
             )
         port = int(text[:6])

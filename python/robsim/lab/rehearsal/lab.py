@@ -111,7 +111,7 @@ class SimulatedLab(Closing):
         check_kind("plane_map", plane_map, PlaneMap, or_none=True)
         if plane_map is not None and plane_map.intrinsics and lens:
             raise ValueError(
-                "lens must be omitted because plane_map has intrinsics, which are a lens"
+                "lens must be omitted, because plane_map already has the intrinsics of a lens"
             )
         check_kind("receiver", receiver, MotorReceiver, or_none=True)
         given = check_kind("scenario", scenario, Scenario, or_none=True)
@@ -256,8 +256,8 @@ def _real_time(scenario: Scenario, dt: float) -> Scenario:
             raise ValueError(f"scenario must have {name}=0 in a lab in real time: {remedy}")
     if scenario.boundary != "bounce":
         raise ValueError(
-            "scenario must have boundary='bounce' in a lab: its camera stands still, and the view "
-            f"of boundary={quoted(scenario.boundary)} follows the robot"
+            "scenario must have boundary='bounce' in a lab, because the lab's camera stands still, "
+            f"but with boundary={quoted(scenario.boundary)} the view follows the robot"
         )
     worlds.check_bounces(scenario)
     model = scenario.model or RobotParameters()
@@ -266,8 +266,8 @@ def _real_time(scenario: Scenario, dt: float) -> Scenario:
         model = RobotModel(RobotParameters(**values | {"dt": dt}))
     elif not np.isclose(model.dt, dt, rtol=1e-9, atol=0):
         raise ValueError(
-            f"scenario must have a model for steps of 1 / fps = {dt:g} s, got one of {model.dt:g} "
-            f"s: pass RobotParameters, which are valid for any step, or fps={1 / model.dt:g}"
+            f"scenario must have a model with dt = 1 / fps = {dt:g} s, got dt = {model.dt:g} s: "
+            f"pass RobotParameters, which are valid for any dt, or fps={1 / model.dt:g}"
         )
     return scenario.replace(model=model)
 

@@ -83,7 +83,7 @@ class LabTruth:
         row = float(frame.epoch + frame.t - self.t[0]) / self.dt
         nearest = round(row)
         if abs(row - nearest) > 0.01 or not 0 <= nearest < len(self):
-            raise ValueError("frame must be of this lab, and older than this truth")
+            raise ValueError("frame must come from this lab, before this truth was read")
         return self.first + nearest
 
     def pose_of(self, frame: Frame) -> Floats:

@@ -103,7 +103,7 @@ class Lens:
         intrinsics = Intrinsics(matrix, (self.k1, self.k2, 0, 0, 0))
         if np.isnan(intrinsics.ideal((-0.5, -0.5))).any():
             raise ValueError(
-                "k1 and k2 must keep the order of the pixels from the centre to the corners: with "
-                "these, the lens folds the picture over within the frame"
+                "k1 and k2 must keep the order of the pixels from the centre to the corners; with "
+                "these values, the lens folds the picture over"
             )
         return intrinsics

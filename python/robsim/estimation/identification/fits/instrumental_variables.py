@@ -93,8 +93,8 @@ def instrumental_variables(
     n_samples = sum(len(run.u) - 4 for run in runs)
     if n_samples < _MINIMUM_SAMPLES:
         raise ValueError(
-            f"instrumental variables need at least {_MINIMUM_SAMPLES} samples from runs of poses "
-            f"without a gap, got {n_samples}: a run of n poses gives n - 4"
+            f"instrumental variables need at least {_MINIMUM_SAMPLES} samples, got {n_samples}: "
+            "a sequence of n poses without a gap gives n - 4 samples"
         )
     fits = _fit_axes(runs)
     theta, errors = with_undetermined(

@@ -356,8 +356,8 @@ def _pieces(record: Record) -> list[Segment]:
     if n_samples < _MINIMUM_SAMPLES:
         segments = split(record, minimum=_MINIMUM_POSES)
         raise ValueError(
-            f"output error needs at least {_MINIMUM_SAMPLES} poses in addition to two per segment "
-            f"between breaks, got {n_samples} in {len(segments)} segments"
+            f"output error needs at least {_MINIMUM_SAMPLES} poses beyond the first two of each "
+            f"segment between breaks, got {n_samples} in {len(segments)} segments"
         )
     return pieces
 

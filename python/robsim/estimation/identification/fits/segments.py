@@ -60,7 +60,7 @@ def as_record(poses: ArrayLike, u: ArrayLike, breaks: ArrayLike | None) -> Recor
     breaks = np.zeros(len(poses), dtype=bool) if breaks is None else np.array(breaks)
     if breaks.dtype != bool or breaks.shape != (len(poses),):
         raise ValueError(
-            f"breaks must be {len(poses)} bools, one a step, got {breaks.dtype} of shape "
+            f"breaks must be {len(poses)} bools, one per step, got {breaks.dtype} of shape "
             f"{breaks.shape}"
         )
     poses[~np.isfinite(poses).all(axis=1)] = np.nan

@@ -134,8 +134,8 @@ class FloorSheets:
                 return str(error)
             if not seen.corners:
                 return (
-                    "no floor sheet in the picture: its marks must be at least 15 px wide, "
-                    "sharp and visible"
+                    "no floor sheet in the picture: the marks of a sheet must be at least 15 px "
+                    "wide, sharp and visible"
                 )
             return seen
 

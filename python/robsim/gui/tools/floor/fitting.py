@@ -124,12 +124,12 @@ def replaced(file: Path, calibration: Calibration, *, is_known: bool) -> Calibra
         raise ValueError(f"{name} is not a calibration: save under another name") from error
     if there.intrinsics is not None and calibration.intrinsics is None:
         raise ValueError(
-            f"{name} has a lens that this floor was not calibrated with: load it, or save under "
-            "another name"
+            f"{name} has a lens, but this floor was calibrated without a lens: load {name}, or "
+            "save under another name"
         )
     if not is_known:
         raise ValueError(
-            f"{name} already exists and was not loaded here: load it, save under another name, or "
-            "remove it first"
+            f"{name} already exists, but is not loaded here: load or remove {name}, or save under "
+            "another name"
         )
     return there

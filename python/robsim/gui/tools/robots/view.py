@@ -197,11 +197,11 @@ class RobotsView(ToolView):
 
     def look_at(self, k: int) -> None:
         if self.is_frozen:
-            raise ValueError("the panel shows the drawing; Capture again shows the pictures")
+            raise ValueError("the panel shows the drawing; press Capture again for the pictures")
         super().look_at(k)
 
     def freeze(self, on: bool) -> None:
-        raise ValueError("this tool cannot freeze: use capture instead")
+        raise ValueError("this tool cannot freeze a picture: use capture() instead")
 
     def definition(self) -> RobotDefinition:
         """Return the robot in the drawing; ValueError if it is incomplete."""

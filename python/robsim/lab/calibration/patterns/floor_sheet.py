@@ -225,13 +225,13 @@ def find_sheets(image: Pixels, mark: float) -> dict[int, Corners]:
     all_marks = find_marks(image)
     # A mirrored mark may resemble another one.
     if len(all_marks) < _FEW and len(find_marks(image[:, ::-1].copy())) > len(all_marks):
-        raise ValueError("pictures must not be mirrored: the floor sheets are")
+        raise ValueError("pictures must not be mirrored, but the floor sheets are mirrored")
     for number, corners in all_marks:
         seen.setdefault(sheet_of(number), []).append((number, corners))
     if twice := [sheet for sheet, marks in seen.items() if len(dict(marks)) < len(marks)]:
         raise ValueError(
-            f"pictures must show each floor sheet once, got sheet {min(twice)} twice in one: give "
-            "each sheet its own number (robsim calibrate sheet --number), and cover the other"
+            f"a picture must show each floor sheet once, got sheet {min(twice)} twice: cover one "
+            "of the two, and print each sheet with its own robsim calibrate sheet --number"
         )
     found = {}
     for sheet, marks in sorted(seen.items()):

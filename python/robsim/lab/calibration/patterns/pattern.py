@@ -71,6 +71,6 @@ def gray_of(image: Any) -> Pixels:
     if not (isinstance(image, np.ndarray) and image.dtype == np.uint8 and image.shape[2:] == (3,)):
         raise TypeError(f"image must be a uint8 array of shape (H, W, 3), got {quoted(image)}")
     if not 0 < min(image.shape) <= max(image.shape) <= _LARGEST:  # OpenCV ends the process
-        raise ValueError(f"image must have 1 to {_LARGEST} px a side, got shape {image.shape}")
+        raise ValueError(f"image must have 1 to {_LARGEST} px per side, got shape {image.shape}")
     gray: Pixels = load_opencv(PURPOSE).cvtColor(image, load_opencv(PURPOSE).COLOR_RGB2GRAY)
     return gray

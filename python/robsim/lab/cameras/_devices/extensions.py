@@ -26,14 +26,14 @@ class Extension:
             return importlib.import_module(self.module)
         except ModuleNotFoundError as error:
             raise NoBackEndError(
-                f"this robsim was built without {self.library}: sudo apt-get install "
+                f"this robsim was built without {self.library}: run sudo apt-get install "
                 f"{self.development} pkg-config, then pip install --force-reinstall --no-binary "
                 "robsim robsim"
             ) from error
         except ImportError as error:  # a library of the system is missing
             raise NoBackEndError(
-                f"{self.cameras} needs {self.library}: sudo apt-get install {self.debian} "
-                f"(Debian, Ubuntu), dnf install {self.fedora} (Fedora) ({error})"
+                f"{self.cameras} needs {self.library}: run sudo apt-get install {self.debian} "
+                f"(Debian, Ubuntu) or dnf install {self.fedora} (Fedora) ({error})"
             ) from error
 
 

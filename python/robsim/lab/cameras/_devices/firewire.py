@@ -36,8 +36,8 @@ def new_camera(url: str, wishes: Wishes) -> Any:
     choice = url.removeprefix(f"{SCHEME}://").lower()
     if not re.fullmatch(r"|[0-9]{1,2}|[0-9a-f]{16}", choice):
         raise ValueError(
-            "an address of FireWire must be firewire:// (the first camera), firewire://1 (the "
-            "second one, and so on), or firewire:// and the 16 digits of the camera's number, got "
+            "a FireWire address must be firewire:// (the first camera), firewire://1 (the second "
+            "camera, and so on), or firewire:// with the camera's number of 16 digits, got "
             f"{quoted(url)}"
         )
     return EXTENSION.load().FireWireCamera(choice, coding=wishes.coding or "", **wishes.given)

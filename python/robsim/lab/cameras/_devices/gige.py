@@ -51,8 +51,9 @@ def new_camera(url: str, wishes: Wishes) -> GigeCamera:
     packet_size = chosen.pop("packet_size", "0")
     if chosen or not packet_size.isdecimal() or int(packet_size) > 65535:
         raise ValueError(
-            "an address of GigE Vision may choose format and packet_size (bytes, at most 65535), "
-            f"as in gige://192.168.1.20?format=BayerRG8&packet_size=8000, got {quoted(url)}"
+            "the options of a GigE Vision address are format and packet_size (at most 65535 "
+            "bytes), as in gige://192.168.1.20?format=BayerRG8&packet_size=8000, got "
+            f"{quoted(url)}"
         )
     camera: GigeCamera = EXTENSION.load().GigeCamera(
         parts.netloc, format=pixel_format, packet_size=int(packet_size), **wishes.given

@@ -193,11 +193,11 @@ class HttpCamera:
             if error.code in (401, 403):
                 raise NoPermissionError(
                     f"{self.name} answers {error.code}: pass user and password in the address, as "
-                    "http://user:password@host/path; no other host gets them"
+                    "http://user:password@host/path; robsim sends the password only to this host"
                 ) from None
             why, place = str(error.reason).partition("\n")[0], error.headers.get("Location", "")
             said = cut(f"{error.code} {why} {place}".strip())
-            raise NoCameraError(f"{self.name} answers {said}: is the path right?") from None
+            raise NoCameraError(f"{self.name} answers {said}: check the path") from None
         except (HTTPException, ValueError) as error:
             raise NoCameraError(
                 f"{self.name} gives no valid HTTP answer ({cut(error)}): is it a camera?"
@@ -222,7 +222,7 @@ class HttpCamera:
             return Parts(line.rstrip()), begun
         what = "a single image" if begun.startswith(b"\xff\xd8") else cut(kind)
         raise CaptureError(
-            f"{self.name} sends {what} and no MJPEG stream: pass the stream's address, or "
+            f"{self.name} sends {what}, not an MJPEG stream: pass the stream's address, or "
             "back_end='ffmpeg'"
         )
 

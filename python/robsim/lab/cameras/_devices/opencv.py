@@ -83,8 +83,8 @@ class OpenCvCamera:
         there = back_ends(self._cv2)
         if back_end not in there:
             raise NoBackEndError(
-                f"the installed OpenCV has no back end {back_end!r}, only {', '.join(there)}: give "
-                "one of these, or install an OpenCV that has it"
+                f"the installed OpenCV has no back end {back_end!r}, only {', '.join(there)}: "
+                "choose an available back end, or install another OpenCV"
             )
         self._back_end = getattr(self._cv2, _NUMBER[back_end])
         self._wanted = {"CAP_PROP_FPS": fps}
@@ -113,16 +113,17 @@ class OpenCvCamera:
         if isinstance(self._source, str):
             self._check_host(self._source)
             raise NoCameraError(
-                f"{self.name} is reached, but OpenCV opens no stream there: are path, user and "
-                "password right?"
+                f"{self.name} answers, but OpenCV cannot open a stream: check the path, the user "
+                "and the password"
             )
         if self._node is not None:
             raise CameraBusyError(
-                f"{self._node} exists but does not open: another program uses it (fuser "
-                f"{self._node} names it), or it is no camera (try the next number)"
+                f"{self._node} exists but does not open: another program uses the camera (fuser "
+                f"{self._node} names it), or {self._node} is not a camera (try the next number)"
             )
         raise NoCameraError(
-            f"{self.name} does not open: is it plugged in, and does another program use it?"
+            f"{self.name} does not open: check that the camera is plugged in and that no other "
+            "program uses it"
         )
 
     def _parameters(self) -> list[int]:

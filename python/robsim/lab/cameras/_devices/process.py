@@ -110,7 +110,7 @@ class CameraProcess:
                     f"{self.name} was not opened within {_START + self._camera.open_timeout:g} s"
                 ) from None
             if not received:
-                raise CaptureError(f"{self.name}: the process that reads it ended at its start")
+                raise CaptureError(f"{self.name}: the process of the camera ended during its start")
             data += received
         return data
 
