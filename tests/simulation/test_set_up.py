@@ -265,7 +265,7 @@ def test_an_experiment_looks_for_the_new_robot(tmp_path):
     with recorded:
         recorded.robot = "sheep"
         recorded.step()
-        with pytest.raises(RuntimeError, match="colors cannot be changed while a session"):
+        with pytest.raises(RuntimeError, match="colors cannot be changed during the recording"):
             recorded.colors = recorded.colors
 
 

@@ -39,8 +39,8 @@ def motors_of(send: Callable[[Floats], Any], stop_input: Floats | None) -> Motor
         return CalledMotors(send, stop_input)
     if stop_input is None or stop_input.any():
         raise ValueError(
-            f"stop_input must be (0, 0) for {quoted(send)}, which tells the robot to stop, got "
-            f"{quoted(stop_input)}"
+            f"stop_input must be (0, 0), because {quoted(send)} itself tells the robot to stop, "
+            f"got {quoted(stop_input)}"
         )
     return send
 
@@ -69,7 +69,7 @@ class CalledMotors:
     def __call__(self, u: Floats) -> None:
         """Send an input; HaltedError if the robot was halted in this run."""
         if self._is_halted:
-            raise HaltedError("the robot was stopped: it takes no input before the next run")
+            raise HaltedError("the robot was stopped and takes no input before the next run")
         self._has_moved = True  # even after a failure, as the input may have arrived
         self._send(u)
 

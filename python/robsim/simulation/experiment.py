@@ -236,7 +236,7 @@ class Experiment(Runner):
         if self._recording is not None and self._recording.has_begun:
             (name,) = changes
             raise RuntimeError(
-                f"{name} cannot be changed while a session with it is recorded: make a new "
+                f"{name} cannot be changed during the recording of a session: make a new "
                 "Experiment with another file for record"
             )
         robot = changes.get("robot", self.robot)
@@ -458,7 +458,8 @@ class Experiment(Runner):
             raise RuntimeError("a session under recording cannot restart: make a new Experiment")
         if self._source.is_spent:
             raise RuntimeError(
-                "the frames can be read only once: give a list or a Recording to be able to reset"
+                "the frames can be read only once, but a reset reads them again: give a list or a "
+                "Recording"
             )
         super().reset(seed=seed)
         self._source.restart()

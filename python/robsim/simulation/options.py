@@ -133,7 +133,7 @@ def start_value(
         )
     check_heading("start", heading)
     if max(abs(x), abs(y)) > _MAXIMUM_START:
-        raise ValueError(f"start must lie within {_MAXIMUM_START:g} px, got {quoted(start)}")
+        raise ValueError(f"start must lie within +-{_MAXIMUM_START:g} px, got {quoted(start)}")
     return x, y, wrap_angle(heading)
 
 
@@ -159,8 +159,8 @@ def check_marker_colors(markers: MarkerLayout, colors: Iterable[ColorClass], pur
     known, needed = [color.name for color in colors], [*markers.colors.values()]
     if not set(needed) <= set(known):
         raise ValueError(
-            f"colors must have {' and '.join(needed)} for {purpose}, as the colours of the robot's "
-            f"markers; got {', '.join(known)}"
+            f"colors must have {' and '.join(needed)}, the colours of the robot's markers, for "
+            f"{purpose}, got {', '.join(known)}"
         )
 
 
@@ -197,9 +197,9 @@ def check_images(
     size = robot.size * max(1, height / width) * scale
     if size > _LARGEST_ROBOT:
         raise ValueError(
-            f"resolution must show the robot with at most {_LARGEST_ROBOT} px: for an area of "
-            f"{area[0]} x {area[1]} px, {resolution[0]} x {resolution[1]} px show it with "
-            f"{size:.0f}; use a smaller resolution of the camera or a larger area"
+            f"the robot must have at most {_LARGEST_ROBOT} px in the frame, got {size:.0f} px for "
+            f"an area of {area[0]} x {area[1]} px and a resolution of {resolution[0]} x "
+            f"{resolution[1]} px; use a smaller resolution or a larger area"
         )
 
 

@@ -416,13 +416,13 @@ class Runner(Slotted):
         needed = {"measurement": "measure", "estimate": "estimate_state"}.get(self.identify_from)
         if needed and not self._is_on(needed):
             remedy = {
-                "measure": "measure=True, in the shell --measure",
-                "estimate_state": "estimate_state=..., in the shell a folder with an enabled "
-                "estimate_state.py, as in a folder of robsim new",
+                "measure": "measure=True, or --measure in the shell",
+                "estimate_state": "estimate_state=..., or in the shell a folder with an enabled "
+                "estimate_state.py, as from robsim new",
             }[needed]
             raise ValueError(
                 "identify_from: parameter estimation needs the "
-                f"{self.identify_from}, but this stage is off: give {remedy}"
+                f"{self.identify_from}, but the stage {needed} is off: give {remedy}"
             )
 
     @property

@@ -466,7 +466,7 @@ class Simulation(WorldSlots, Runner):
         self._core.check_thread()
         newest = self._core.last_step.k
         if not is_int(k):
-            raise TypeError(f"k must be an int, the number of a step, got {quoted(k)}")
+            raise TypeError(f"k must be the number of a step, an int, got {quoted(k)}")
         if not 0 <= k <= newest:
             raise IndexError(f"k must be one of the steps 0..{newest}, got {k}")
         earlier = next((one for last, one in self._earlier if k <= last), None)

@@ -163,7 +163,7 @@ def is_default(slot: str, value: object) -> bool:
     if asks and SLOTS[slot].is_optional and not SLOTS[slot].is_switch:
         raise ValueError(
             f"{slot} has no default, got {quoted(value)}: give a callback, such as "
-            "robsim.estimation.reference.ExtendedKalmanFilter(model), or False for off"
+            "robsim.estimation.reference.ExtendedKalmanFilter(model), or False to switch off"
         )
     return asks
 

@@ -129,8 +129,8 @@ class Slotted(RobotSlots, ABC):
         late = changed.intersection(table.AT_START)
         if late and self._core.has_started:
             raise RuntimeError(
-                f"{min(late)}.py has changed, but runs only at the start of a simulation: call "
-                "sim.reset() first, or press Reset in a panel"
+                f"{min(late)}.py has changed, but the file runs only at the start of a simulation: "
+                "call sim.reset() first, or press Reset in a panel"
             )
         self._use(self._folder.load_saved())
 
@@ -180,8 +180,8 @@ class Slotted(RobotSlots, ABC):
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         kind = type(self).__name__
         raise TypeError(
-            f"{with_article(kind)} can be neither copied nor pickled, because its callbacks and "
-            f"its run belong to this process: make another, {self._AGAIN}"
+            f"{with_article(kind)} cannot be copied or pickled, because its callbacks and its run "
+            f"belong to this process: make another {kind}, {self._AGAIN}"
         )
 
     def _set_slot(self, slot: str, callback: Any) -> None:

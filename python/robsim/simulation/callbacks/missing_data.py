@@ -21,7 +21,7 @@ class _Datum:
     absent: str
 
 
-_NO_MEASUREMENT = "the measurement is off; give measure=True, in the shell --measure"
+_NO_MEASUREMENT = "the measurement is off; give measure=True, or --measure in the shell"
 
 _DATA = {
     "measurement": _Datum("measure", _NO_MEASUREMENT, "the robot was not seen in this step"),
@@ -35,8 +35,8 @@ _DATA = {
     ),
     "parameters": _Datum(
         "estimate_parameters",
-        "no parameter estimator is on; give estimate_parameters=True, in the shell "
-        "--estimate-parameters",
+        "no parameter estimator is on; give estimate_parameters=True, or "
+        "--estimate-parameters in the shell",
         "no parameters have been estimated yet",
     ),
 }

@@ -41,15 +41,15 @@ class SlotHandle(Generic[T]):
         name = self._slot.name
         if others or named:
             raise TypeError(
-                f"sim.{name} takes one callback, got {1 + len(others) + len(named)} values: the "
-                f"decorator @sim.{name} fills the slot, sim.{name}.callback is its content"
+                f"sim.{name} takes one callback, got {1 + len(others) + len(named)} values: use "
+                f"@sim.{name} to fill the slot, and sim.{name}.callback to get the callback"
             )
         if callback is _MISSING:
             raise TypeError(f"use @sim.{name}, without parentheses")
         if not callable(callback):
             raise TypeError(
-                f"{name} must be callable, got {quoted(callback)}: the decorator "
-                f"sim.{name} fills the slot, sim.{name}.callback is its content"
+                f"{name} must be callable, got {quoted(callback)}: use @sim.{name} to fill the "
+                f"slot, and sim.{name}.callback to get the callback"
             )
         self._runner._set_slot(name, callback)
         return callback
@@ -162,9 +162,8 @@ def held(callbacks: Iterable[object]) -> Iterator[None]:
             # One call, which no other thread interrupts.
             if _in_run.setdefault(id(callback), run) is not run:
                 raise RuntimeError(
-                    f"another run uses this {type(callback).__name__}, which stores the state of "
-                    "its "
-                    "robot: give each simulation a separate object"
+                    f"another run already uses this {type(callback).__name__}, which stores the "
+                    "state of one robot: give each simulation a separate object"
                 )
         yield
     finally:

@@ -63,8 +63,8 @@ class PoseNoise:
             raise ValueError(f"covariance must be symmetric, got {quoted(self.covariance)}")
         if not _is_semidefinite(matrix):
             raise ValueError(
-                f"covariance must be positive semi-definite: no direction has a negative variance, "
-                f"got {quoted(self.covariance)}"
+                "covariance must be positive semi-definite (no negative variance in any "
+                f"direction), got {quoted(self.covariance)}"
             )
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
         if (heading := self.sigma[2]) > np.pi:
@@ -279,7 +279,7 @@ class ParameterMismatch:
         if not isinstance(rng, np.random.Generator):
             raise TypeError(f"rng must be a numpy.random.Generator, got {quoted(rng)}")
         if not (theta[:, _A1] > 1).all():
-            raise ValueError(f"model must have each a1 between 1 and 2, got {theta[:, _A1]}")
+            raise ValueError(f"model must have all a1 between 1 and 2, got {theta[:, _A1]}")
         numbers = islice(_within_3(rng.bit_generator.random_raw()), 4)
         left, right, linear, angular = (1 + self.sigma * number for number in numbers)
         # a1 - 1 = 1/(1 + rho)

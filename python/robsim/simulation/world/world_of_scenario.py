@@ -103,7 +103,7 @@ def check_bounces(scenario: Scenario) -> None:
     radius = scenario._robot_definition.radius
     if scenario.boundary == "bounce" and min(scenario.area) <= 2 * radius + 1:
         raise ValueError(
-            f"area must be wider than the robot, {2 * radius:.0f} px, to bounce in it, got "
+            f"area must be wider than the robot ({2 * radius:.0f} px) for boundary='bounce', got "
             f"{scenario.area}"
         )
 
@@ -140,8 +140,8 @@ def _true_model(options: Scenario, seed: np.random.SeedSequence, belief: RobotMo
     model = options._model or belief
     if model.dt != belief.dt:
         raise ValueError(
-            f"define_model must return a model with the dt of the world, {model.dt:g} s, got "
-            f"{belief.dt:g}"
+            f"define_model must return a model with the world's dt = {model.dt:g} s, got "
+            f"dt = {belief.dt:g} s"
         )
     if options.mismatch is None:
         return model
