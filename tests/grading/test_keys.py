@@ -95,7 +95,9 @@ def test_a_key_is_kept_from_others(tmp_path):
         key.save(tmp_path / "key")
     for mode in (0o640, 0o604, 0o610):
         (tmp_path / "key").chmod(mode)
-        with pytest.raises(AssignmentError, match=r"others can read the key .*: chmod 600 "):
+        with pytest.raises(
+            AssignmentError, match=r"other users can read the key .*: run chmod 600 "
+        ):
             Key.load(tmp_path / "key")
 
 

@@ -236,7 +236,7 @@ def test_a_key_that_others_can_read_is_refused(class_room):
     Key(bytes(range(32))).save(class_room / "key")
     grading(class_room, key=str(class_room / "key"))
     (class_room / "key").chmod(0o644)
-    with pytest.raises(pytest.UsageError, match="--robsim-key: others can read"):
+    with pytest.raises(pytest.UsageError, match="--robsim-key: other users can read"):
         grading(class_room, key=str(class_room / "key"))
 
 

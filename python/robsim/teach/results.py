@@ -325,7 +325,7 @@ class SubmissionResult:
         """Return the result of a text from `to_json`; raise ValueError for other text."""
         data = parse_json(check_text("text", text), 2**20)
         if not isinstance(data, dict) or data.pop("format", None) != FORMAT:
-            raise ValueError(f"no result of a submission of format {FORMAT}")
+            raise ValueError(f"text must be the result of a submission, in format {FORMAT}")
         try:
             tests = tuple(_test(one) for one in data.pop("tests"))
             data["by_hand"] = ByHand(**data.get("by_hand", {}))

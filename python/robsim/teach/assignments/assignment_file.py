@@ -202,7 +202,7 @@ def _assignment(
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ValueError(f"duplicate test {quoted(twice)}: rename one")
     if not tests and not files:
-        raise ValueError("no tests: add some, each below a line [[tests]] or [[files]]")
+        raise ValueError("there are no tests: add tests, each below a line [[tests]] or [[files]]")
     assignment = Assignment(
         folder=folder.absolute(),
         slots=_slots_for(slots, tests),
@@ -286,14 +286,14 @@ def _slots_for(slots: tuple[str, ...] | None, tests: Sequence[TaskTest]) -> tupl
     if not needed and slots is None:
         raise ValueError("slots is missing")
     if missing := [slot for slot in needed if slots is not None and slot not in slots]:
-        raise ValueError(f"slots must have {', '.join(missing)}, which its tasks need")
+        raise ValueError(f"slots must have {', '.join(missing)}, which the tasks of its tests need")
     return needed if slots is None else slots
 
 
 def _given_for(given: str | None, tests: Sequence[TaskTest]) -> str:
     most = max((_GIVEN.index(test.task.given) for test in tests), default=0)
     if given is not None and _GIVEN.index(given) < most:
-        raise ValueError(f"given must be {_GIVEN[most]!r} for its tasks, got {given!r}")
+        raise ValueError(f"given must be {_GIVEN[most]!r} for the tasks here, got {given!r}")
     return given or _GIVEN[most]
 
 

@@ -121,7 +121,7 @@ def _usable(assignment: Assignment, task: Task) -> tuple[Solution, ...]:
 
 def _by_task(assignment: Assignment) -> Iterator[tuple[TaskTest, list[str]]]:
     if not assignment.tests:
-        raise AssignmentError(f"{one_line(assignment.folder)} has no test by a task")
+        raise AssignmentError(f"{one_line(assignment.folder)} has no test with a task")
     tests: dict[str, list[TaskTest]] = {}
     for test in assignment.tests:
         tests.setdefault(task_digest(test.task), []).append(test)

@@ -43,7 +43,7 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
         make = _from_file(Path(make), slot)
     if not callable(make) or isinstance(make, SlotHandle):
         raise TypeError(
-            f"make must be callable and return a fresh {slot.noun}, such as its class, or lambda: "
+            f"make must be callable and return a new {slot.noun}, such as a class or lambda: "
             f"My{slot.noun.capitalize()}(...), got {quoted(make)}"
         )
     estimator = EstimatorUnderTest(

@@ -62,7 +62,9 @@ def check_folder(
     control.py: it returns 0.5, not (u1, u2), the voltages of the left and the right motor
     """
     if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be a function of a line, or None, got {quoted(progress)}")
+        raise TypeError(
+            f"progress must be a function of a line of text, or None, got {quoted(progress)}"
+        )
     token = telling.set(telling.get() if progress is None else progress)
     try:
         if task is None:

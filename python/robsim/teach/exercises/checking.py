@@ -155,8 +155,8 @@ def _results(answer: Answer, exercise: Exercise, cases: Sequence[Case]) -> list[
             for at, (one, before) in enumerate(zip(given, case, strict=True)):
                 if not np.array_equal(one, before, equal_nan=True):
                     raise _ChangedError(
-                        f"It changes its argument {_argument(answer, at)}, which its caller still "
-                        "needs: work on a copy, by .copy()."
+                        f"It changes its argument {_argument(answer, at)}, but the caller still "
+                        "needs the argument: work on a copy, with .copy()."
                     )
     return results
 

@@ -59,7 +59,7 @@ def as_arrays(what: str, values: Sequence[Any]) -> list[NDArray[Any]]:
     arrays = [as_array(name, value) for name, value in zip(names, values, strict=True)]
     if (size := sum(array.nbytes for array in arrays)) > MOST_BYTES:
         raise ValueError(
-            f"the {what}s may have {MOST_BYTES >> 20} MiB in all, got {size >> 20} MiB"
+            f"the {what}s must have at most {MOST_BYTES >> 20} MiB in all, got {size >> 20} MiB"
         )
     return arrays
 

@@ -118,8 +118,8 @@ def asking(worker: Worker, task: Task, scenario: Scenario, seeds: RunSeeds) -> G
     assert known is not None
     if ready.model.dt != known.dt:
         raise SubmissionError(
-            f"in define_model at the start: the model must have the dt of the world, {known.dt:g} "
-            f"s, got {ready.model.dt:g}",
+            f"in define_model at the start: the model must have the world's dt = {known.dt:g} s, "
+            f"got dt = {ready.model.dt:g} s",
             slot="define_model",
         )
     return GradedSimulation(task, scenario, seeds, worker, ready)

@@ -99,7 +99,7 @@ class Key:
             return cls(bytes.fromhex(text.removeprefix(_MAGIC).strip()))
         except ValueError:
             raise AssignmentError(
-                f"{one_line(file)} is not a key: robsim.teach.Key.new() makes one",
+                f"{one_line(file)} is not a key: make a key with robsim.teach.Key.new()",
                 file=one_line(file),
             ) from None
 
@@ -207,8 +207,8 @@ def _private_text(file: Path) -> str:
         warnings.warn(f"the readers of the key {named} are not checked on Windows", stacklevel=3)
     elif mode & _READABLE:
         raise AssignmentError(
-            f"others can read the key {named}, and repeat all graded runs: chmod 600 {named}; if "
-            "students have access to this machine, make a new key",
+            f"other users can read the key {named} and repeat all graded runs: run chmod 600 "
+            f"{named}; if students have access to this machine, make a new key",
             file=named,
         )
     return content.decode("ascii", "replace")

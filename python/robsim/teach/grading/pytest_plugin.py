@@ -41,8 +41,8 @@ class Grading:
         options = config.known_args_namespace
         if _OPTION in config.invocation_params.args:
             raise pytest.UsageError(
-                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': pytest takes a "
-                "path after a blank for tests as well, and uses a pytest.ini in it"
+                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': after a blank, "
+                "pytest takes the path for tests as well, and uses a pytest.ini in the path"
             )
         self._path = Path(os.path.abspath(options.robsim_submission))
         if not os.path.lexists(self._path):
@@ -74,8 +74,8 @@ class Grading:
             rules |= marker.kwargs
         if not rules.keys() & {"slots", "functions"}:
             raise AssignmentError(
-                "the slots of the submission are missing. Set them in the tests: pytestmark = "
-                'pytest.mark.robsim_submission(slots="control"), or --robsim-slots control'
+                "the slots of the submission are missing. In the tests, set pytestmark = "
+                'pytest.mark.robsim_submission(slots="control"), or use --robsim-slots control'
             )
         try:
             return Submission(
@@ -170,13 +170,13 @@ def _keep_apart(path: Path, tests: Sequence[str]) -> None:
         if _within(submission, place) or _within(place, submission):
             raise pytest.UsageError(
                 f"{one_line(place)} and the submission {one_line(path)} overlap: pytest "
-                "would run its conftest.py and test_*.py here. Name your files of tests: "
+                "would run the submission's conftest.py and test_*.py. Name your own test files: "
                 "python -m pytest --robsim-submission=PATH TESTS.py"
             )
         if submission.parent in (place.parent, Path.cwd().resolve()) and _is_module(submission):
             raise pytest.UsageError(
                 f"{one_line(path)} has the name of a module in Python's search path for "
-                "modules: put it into a folder of submissions"
+                "modules: put the submission into a folder of submissions"
             )
 
 

@@ -315,7 +315,7 @@ class Submission:
         """
         if check_text("name", name) not in self._task.rules.functions:
             known = ", ".join(self._task.rules.functions) or "none"
-            raise ValueError(f"name must be one of functions, {known}, got {quoted(name)}")
+            raise ValueError(f"name must be one of the functions {known}, got {quoted(name)}")
         check_bool("finite", finite)
         result = wanted(shape, finite)
         given = [as_arrays("argument", each) for each in _listed(arguments)]
@@ -398,13 +398,13 @@ class Submission:
         if test is None:
             test = self._test
         if test is None and self._key is not None and seed is None:
-            raise ValueError("with a key a run needs the name of its test: test='drives a square'")
+            raise ValueError("with a key, give the name of the test: test='drives a square'")
         return "" if test is None else check_text("test", test)
 
     def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
         slots = self._task.rules.slots
         if not slots:
-            raise ValueError("slots must have a slot for a run: this submission has only functions")
+            raise ValueError("slots must have a slot for a run, but there are only functions")
         if not self.slots:
             raise SubmissionError(f"{self.name} fills no slot: it has no {' or '.join(slots)}")
         check_samples(slots, scenario)

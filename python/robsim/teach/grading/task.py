@@ -55,8 +55,8 @@ def rules_of(
     if of_world and len(of_world) < len(rules.slots):
         other = next(slot for slot in rules.slots if slot not in of_world)
         raise ValueError(
-            f"slots must be of the robot half, or of the world, got {other} and {of_world[0]}: "
-            "callbacks of the world know the truth"
+            f"slots must all be of the robot half, or all of the world, got {other} and "
+            f"{of_world[0]}: callbacks of the world know the truth"
         )
     return rules
 
@@ -67,9 +67,9 @@ def check_samples(slots: Sequence[str], scenario: Scenario) -> None:
     estimators = [slot for slot in slots if slot in ESTIMATORS]
     if estimators and others and scenario.identify_from == "truth":
         raise ValueError(
-            f"slots has {estimators[0]} and {others[0]}, and identify_from is 'truth': the samples "
-            f"reveal the robot's pose, which {others[0]} must not know; take "
-            "Scenario(identify_from='measurement'), or grade them apart"
+            f"slots has {estimators[0]} and {others[0]}, and identify_from is 'truth', but "
+            f"{others[0]} must not know the robot's true pose. Use "
+            "Scenario(identify_from='measurement'), or grade the two slots separately"
         )
 
 

@@ -230,7 +230,7 @@ def _task(task: str | Task, parameters: dict[str, Any]) -> Task:
     elif not isinstance(task, Task):
         raise TypeError(f"task must be a name or a Task, got {quoted(task)}")
     elif parameters:
-        raise TypeError(f"a Task already has its parameters, got also {', '.join(parameters)}")
+        raise TypeError(f"a Task already has its parameters: leave out {', '.join(parameters)}")
     if type(task) not in REWARDS:
         known = ", ".join(name for name, kind in TASKS.items() if kind in REWARDS)
         raise ValueError(f"task must be for a controller, {known}, got {quoted(task.name)}")

@@ -77,6 +77,6 @@ def _refuse_open(worker: WorkerProcess) -> None:
                 lacking.setdefault(layer.text, []).append(layer.name)
         reasons = "; ".join(f"{', '.join(names)}: {why}" for why, names in lacking.items())
         raise IsolationError(
-            "isolation='strict' needs files, processes, network and the grader's memory closed "
-            f"to a submission; open here: {', '.join(missing)} ({reasons})"
+            "isolation='strict' must close files, processes, network and the grader's memory to a "
+            f"submission, but here these are open: {', '.join(missing)} ({reasons})"
         )

@@ -57,8 +57,8 @@ class Intake:
             raise refusal_in(self.whole, path, f"has more than {size_text(most)}: {remedy}")
         if self._size + size > self.rules.size:
             raise SubmissionError(
-                f"{self.whole} has more than {size_text(self.rules.size)} in all: hand in what "
-                "counts",
+                f"{self.whole} has more than {size_text(self.rules.size)} in all: hand in only the "
+                "required files",
                 file=path,
             )
 

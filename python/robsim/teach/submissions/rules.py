@@ -55,7 +55,7 @@ class Rules:
         check_int("file_size", self.file_size, minimum=1, maximum=2**27)
         check_int("ratio", self.ratio, minimum=1, maximum=10_000)
         if not self.names:
-            raise ValueError("slots or functions must name at least one, got no name")
+            raise ValueError("slots and functions must have at least one name, got no name")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -70,9 +70,9 @@ def _functions(functions: Any) -> tuple[str, ...]:
         if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
             raise ValueError(f"functions must be names of functions, got {quoted(name)}")
         if name.startswith("_") or reserved_names([name]):
-            raise ValueError(f"functions must not have {name}: a module may have this name")
+            raise ValueError(f"functions must not have {name}, which a module may also define")
         if name in SLOTS:
-            raise ValueError(f"functions must not have {name}, which is a slot: put it into slots")
+            raise ValueError(f"functions must not have the slot {name}: put {name} into slots")
     if len(set(names)) < len(names):
         raise ValueError(f"functions must have each name once, got {', '.join(names)}")
     return names

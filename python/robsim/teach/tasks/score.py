@@ -72,7 +72,10 @@ class Score:
         check_float("floor", self.floor, self.unit, exclusive_minimum=0)
         check_float("worst", self.worst, self.unit, exclusive_minimum=self.floor)
         if (self.kind == "lost") != (self.share == 0):
-            raise ValueError(f"share must be 0 only for kind 'lost', got {self.share}, {self.kind}")
+            raise ValueError(
+                "share must be 0 for kind 'lost', and above 0 for other kinds, got "
+                f"{self.share} for {self.kind!r}"
+            )
         if self.kind == "lost" and self.worst >= _ALL:
             raise ValueError(f"worst must be below {_ALL:g} % for kind 'lost', got {self.worst}")
 
@@ -106,7 +109,8 @@ class Score:
         own, others = self._known("values", values), self._known("reference", reference)
         if len(own) != len(others):
             raise ValueError(
-                f"values and reference must be of the same runs, got {len(own)} and {len(others)}"
+                "values and reference must have one number per run of the same runs, got "
+                f"{len(own)} and {len(others)}"
             )
         return float(self._of_tests(own, others))
 

@@ -353,7 +353,7 @@ def _choices(
     if (solution is None) == (not callbacks):
         example = f"{task.slots[0]}=my_{task.slots[0]}"
         raise TypeError(
-            f"give a solution, a folder, a file or a notebook, or callbacks by name: {example}"
+            f"give either a solution (a folder, file or notebook), or callbacks by name: {example}"
         )
     check_names(f"the task {task.name} has no slot", callbacks, task.slots, TypeError)
     if solution is None:

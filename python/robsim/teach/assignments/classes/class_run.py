@@ -348,8 +348,8 @@ def _check_apart(out: Path, handed: list[Handed]) -> None:
         inside |= {Path(one.path).parent for one in handed if not one.files}
     if place in inside or not inside.isdisjoint(place.parents):
         raise ValueError(
-            f"out must be outside the submissions, got {one_line(out)}: its files would be taken "
-            "for a submission"
+            f"out must be outside the submissions, got {one_line(out)}: robsim would take the "
+            "files of the results for a submission"
         )
 
 
@@ -371,8 +371,7 @@ def _test(units: dict[str, Unit], test: TestResult, student: str) -> TestResult:
         return test
     if test.digest != unit.digest:
         raise ValueError(
-            f"the test {test.name} differs from the test that graded {one_line(student)}: its "
-            "task, reference, rules or key have changed, not only its limits and points; "
-            "grade again"
+            f"the test {test.name} has changed since the grading of {one_line(student)}. Its task, "
+            "reference, rules or key differ, not only its limits and points: grade again"
         )
     return again(unit, test)

@@ -102,8 +102,8 @@ def _check_usable(test: TaskTest, references: References) -> None:
         known = test.reference_values.get(score.name)
         if known is not None and len(known) != test.task.runs:
             raise AssignmentError(
-                f"limits.json has {len(known)} numbers of the reference of {test.name}, which has "
-                f"{test.task.runs} runs",
+                f"limits.json must have {test.task.runs} reference values for {test.name}, one per "
+                f"run, got {len(known)}",
                 file=LIMITS,
             )
     references.numbers(test, "", 0)

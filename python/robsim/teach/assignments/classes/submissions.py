@@ -91,8 +91,8 @@ def check_is_one(handed: Handed, assignment: Assignment) -> None:
         folder, first = Path(handed.path).name, found[0]
         inside = first.student if first.files else Path(first.path).name
         raise ValueError(
-            f"{one_line(folder)} is no submission, but has {len(found)}: name one of them, such as "
-            f"{one_line(folder)}/{one_line(inside)}"
+            f"{one_line(folder)} is a folder of {len(found)} submissions: name a single "
+            f"submission, such as {one_line(folder)}/{one_line(inside)}"
         )
 
 

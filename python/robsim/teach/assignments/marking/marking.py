@@ -78,7 +78,7 @@ def limit_of(test: TaskTest, score: Score) -> ScoreLimit:
     """Return the limit of a score; raise AssignmentError if it is missing."""
     if score.name not in test.limits:
         raise AssignmentError(
-            f"the test {test.name} has no limit for {score.name}: calibrate first, "
+            f"the test {test.name} has no limit for {score.name}: calibrate first with "
             "robsim assignment calibrate",
             file="limits.json",
         )

@@ -25,8 +25,8 @@ def key_for(assignment: Assignment, *, public: bool) -> Key:
         return Key.public()
     if assignment.key is None:
         raise AssignmentError(
-            f"{assignment.name} has no key, the source of the worlds of hidden tests: "
-            "restore the file key, or write a new one with robsim.teach.Key.new()",
+            f"{assignment.name} has no key, which determines the worlds of hidden tests: "
+            "restore the file key, or write a new key with robsim.teach.Key.new()",
             file="key",
         )
     return assignment.key

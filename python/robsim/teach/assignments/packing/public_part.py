@@ -38,7 +38,7 @@ def public_part(assignment: Assignment) -> dict[str, bytes]:
 
 def _files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
     if not any(test.public for test in assignment.all_tests):
-        raise AssignmentError(f"{FILE}: no test is public: students could try nothing", file=FILE)
+        raise AssignmentError(f"{FILE} has no public test, which students can run", file=FILE)
     sheet = assignment.folder / SHEET
     if not sheet.is_file():
         raise AssignmentError(f"{one_line(assignment.folder)} has no {SHEET}", file=SHEET)

@@ -176,7 +176,7 @@ def _slot_of(file: Path, wanted: tuple[str, ...]) -> str:
             f"{file} must be named after its slot, {', '.join(names)}{suggestion(file.name, names)}"
         )
     if file.stem not in wanted:
-        raise ValueError(f"slots must include {file.stem}, which {file} is for")
+        raise ValueError(f"slots must include {file.stem}, the slot of {file}")
     return file.stem
 
 

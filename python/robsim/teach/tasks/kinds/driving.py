@@ -115,6 +115,6 @@ def check_inside(name: str, positions: Iterable[Sequence[float]]) -> None:
     for position in positions:
         if any(not _WALL <= x <= side - _WALL for x, side in zip(position, _AREA, strict=True)):
             raise ValueError(
-                f"{name} must be at least {_WALL} px from the walls of the area, "
+                f"{name} must be at least {_WALL} px from the walls of the area of "
                 f"{' x '.join(map(str, _AREA))} px, got {quoted(tuple(position))}"
             )

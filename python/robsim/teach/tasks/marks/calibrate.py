@@ -231,14 +231,15 @@ def check_solutions(chosen: Sequence[Solution]) -> None:
     right = [one.name for one in chosen if one.is_right]
     if len(right) < 2 or right[0] != REFERENCE:
         raise ValueError(
-            f"solutions must have right ones: first {REFERENCE!r}, and another of equal quality "
-            f"but different design, because the reference fits its own runs best; "
-            f"got {quoted(right)}"
+            f"solutions must have the right solution {REFERENCE!r} first, and another right "
+            "solution of equal quality but different design, got "
+            f"{quoted(right)}; the reference alone fits its own runs best"
         )
     wrong = [one.name for one in chosen if not one.is_right]
     if NAIVE not in wrong:
         raise ValueError(
-            f"solutions must have a wrong one {NAIVE!r}, which has no points; got {quoted(wrong)}"
+            f"solutions must have a wrong solution {NAIVE!r}, which gets no points, got "
+            f"{quoted(wrong)}"
         )
 
 
