@@ -166,7 +166,7 @@ def test_add_with_all_options(tmp_path):
 def test_add_from_a_robot():
     done("add", "mine", "lab", "--size", "60")
     assert load_robot("mine").size == 60
-    assert "in the shell --overwrite, replaces it" in refused("add", "mine", "lab")
+    assert "or --overwrite in the shell" in refused("add", "mine", "lab")
     done("add", "mine", "lab", "--overwrite")
     assert load_robot("mine").size == 120
 

@@ -65,7 +65,7 @@ def test_what_is_no_clip(tmp_path):
     refuses("frames", Clip, [], fps=5)
     refuses("frames", Clip, [1, 2], fps=5)
     said = refuses("frame", Clip, [*some, np.zeros((40, 50, 3), np.uint8)], fps=5)
-    assert "frame 6 is 50 x 40 px" in said
+    assert "frame 6 has 50 x 40 px" in said
     for fps in (0, 0.09, 61, np.nan):
         refuses("fps", Clip, some, fps=fps)
     for width in (0, 16384, True):

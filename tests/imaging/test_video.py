@@ -83,7 +83,7 @@ def test_odd_sizes_stay_where_every_pixel_counts(tmp_path, rng, ending):
 
 def test_a_change_of_size_leaves_what_came_before(tmp_path, rng):
     frames = [*smooth(rng), np.zeros((48, 66, 3), dtype=np.uint8)]
-    with pytest.raises(ValueError, match="frame 5 is 66 x 48 px"):
+    with pytest.raises(ValueError, match="frame 5 has 66 x 48 px"):
         save_video(tmp_path / "run.mkv", frames, fps=5)
     np.testing.assert_array_equal(images(tmp_path / "run.mkv"), frames[:5])
 

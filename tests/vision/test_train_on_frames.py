@@ -158,7 +158,7 @@ def test_drift_shows_level_chroma_and_margin():
 def test_wrong_images_and_regions():
     for images, regions, words in (
         (picture(), [], "regions"),
-        ([picture()] * 2, BOX, "regions.*2 images, got 1"),
+        ([picture()] * 2, BOX, "regions.*got 1 regions for 2 images"),
         (picture(), (0, 0, 500, 500), "120 x 100 px"),
     ):
         with pytest.raises((TypeError, ValueError), match=words):

@@ -84,7 +84,7 @@ def _built(file: BinaryIO, name: str, build: Callable[[Content], T]) -> T:
             return build(_content_of(archive, size=file.seek(0, os.SEEK_END)))
     except _BROKEN as error:
         message = cut(error) if type(error) is ValueError else said_by(error)
-        raise ValueError(f"{name} is not a trace of robsim, or damaged: {message}") from error
+        raise ValueError(f"{name} is not a robsim trace, or is damaged: {message}") from error
 
 
 # The errors of reading a broken archive, in addition to our own checks.
@@ -120,7 +120,7 @@ def _content_of(archive: zipfile.ZipFile, size: int) -> Content:
         check_group_name(name)
     stored = [member.removesuffix(".npy") for member in archive.NameToInfo]
     if sorted(names) != sorted(set(stored) - {_INFO, _OF_OLD_NUMPY}):
-        raise ValueError(f"its groups must match its info, got {listed(stored)}")
+        raise ValueError(f"its groups must match the list in its info, got {listed(stored)}")
     _check_sizes(archive, names, size)
     groups = {name: _read_array(archive, name) for name in names}
     for name in ("area", "callbacks", "changed", "marker_colors"):
@@ -172,8 +172,8 @@ def _check_sizes(archive: zipfile.ZipFile, names: list[str], size: int) -> None:
         raise ValueError(f"its groups have different numbers of rows: {rows}")
     if total > _most_unpacked(size):
         raise ValueError(
-            f"a file of {size / 2**20:.1f} MB must contain at most "
-            f"{_most_unpacked(size) >> 20} MB, got a claim of {total >> 20} MB"
+            f"a file of {size / 2**20:.1f} MB must have at most {_most_unpacked(size) >> 20} MB of "
+            f"uncompressed data, but it declares {total >> 20} MB"
         )
 
 

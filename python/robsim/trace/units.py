@@ -32,9 +32,8 @@ def px_length(unit: str, mm_per_px: float | None) -> float:
         return 1.0
     if mm_per_px is None:
         raise ValueError(
-            f"unit must be 'px', got {quoted(unit)}: without a calibration of the camera the "
-            "length "
-            "of a px on the floor is unknown; give mm_per_px=..., or a calibration to the run"
+            f"unit must be 'px', got {quoted(unit)}: without a calibration, the length of a px on "
+            "the floor is unknown; give mm_per_px=..., or give the run a calibration"
         )
     return check_mm_per_px(mm_per_px) / _MM[unit]
 

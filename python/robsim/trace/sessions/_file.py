@@ -160,7 +160,7 @@ class _Records:
         if len(head := self.at(start, _CHUNK.size)) == _CHUNK.size:
             inside, checksum, packed, length = _CHUNK.unpack(head)
             if 0 < packed < 32:
-                raise ValueError("its chunks are compressed: mcap compress --compression none")
+                raise ValueError("its chunks are compressed: run mcap compress --compression none")
             if inside == length == size - _CHUNK.size:
                 return start + _CHUNK.size, length, checksum
         raise ValueError(f"the chunk at byte {start} is damaged")
@@ -206,7 +206,7 @@ def _content(inside: _Records, found: Recorded) -> Recorded:
         elif opcode == Opcode.CHUNK:
             steps.read(*inside.chunk(start, size))
     if not found.setup:
-        raise ValueError("it has no session of robsim, or was cut off before its set-up")
+        raise ValueError("it has no session of robsim, or ends before the set-up of the session")
     if found.steps is None:
         found.problems.append("the recording was not ended: it was killed, or still continues")
     if opcode != Opcode.DATA_END and (rest := inside.size - end):

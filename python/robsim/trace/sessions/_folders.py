@@ -58,13 +58,15 @@ def _rows(file: BinaryIO) -> Iterator[tuple[Row, int | None]]:
         if not line.endswith(b"\n") and len(line) <= MOST_LINE:
             return
         if len(line) > MOST_LINE + 1 or number == MOST_ROWS:
-            raise ValueError(f"it must have {MOST_ROWS} lines of {MOST_LINE} bytes at most")
+            raise ValueError(f"it must have at most {MOST_ROWS} lines, of {MOST_LINE} bytes each")
         (cells,) = csv.reader([line.decode().rstrip("\n")], strict=True)
         table = {name: _value(name, cell) for name, cell in zip(names, cells, strict=True)}
         arrays = {name: [table.get(part) for part in parts] for name, parts in ARRAYS.items()}
         row, picture = row_of(table | arrays), table.get("video_frame")
         if (k is not None and row.k != k + 1) or picture not in (None, last + 1):
-            raise ValueError(f"step {row.k}, with picture {picture}, follows {k}, with {last}")
+            raise ValueError(
+                f"step {row.k} with picture {picture} must not follow step {k} with picture {last}"
+            )
         k, last = row.k, last if picture is None else picture
         yield row, picture
 

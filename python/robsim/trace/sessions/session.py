@@ -205,9 +205,9 @@ class Session:
             ) as image:
                 width, height = image.size
                 if width * height > MOST_PIXELS:
-                    raise ValueError(f"{width} x {height} px are too many")
+                    raise ValueError(f"it has {width} x {height} px, which are too many")
                 if self.size not in (None, image.size):
-                    raise ValueError(f"{width} x {height} px, unlike the first frame")
+                    raise ValueError(f"it has {width} x {height} px, unlike the first frame")
                 return pixels_of(image, "RGB")
         except Exception as error:  # Pillow's decoders raise many types
             said = "no picture" if isinstance(error, UnidentifiedImageError) else cut(error)

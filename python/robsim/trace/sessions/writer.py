@@ -145,7 +145,7 @@ def check_is_free(path: Path) -> None:
         raise NotADirectoryError(f"{one_line(path.parent)} is a file, not a folder")
     if os.path.lexists(path):
         raise FileExistsError(
-            f"{one_line(path)} exists, and a session overwrites nothing: use another name"
+            f"{one_line(path)} already exists, and a session overwrites no file: use another name"
         )
 
 

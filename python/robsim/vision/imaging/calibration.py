@@ -148,10 +148,9 @@ class Calibration:
             raise ValueError("floor and area must be given together")
         if self.marker_height and self.intrinsics is None:
             raise ValueError(
-                "marker_height must be 0 without intrinsics, because the shift of higher things in "
+                "marker_height must be 0 without intrinsics, because the shift of high markers in "
                 "the picture depends on the lens; calibrate the lens first (robsim calibrate "
-                "lens), or "
-                "calibrate the floor with marks at the height of the markers"
+                "lens), or calibrate the floor with marks at the height of the markers"
             )
         if self.floor is None:
             return
@@ -211,18 +210,17 @@ class Calibration:
         region = None if region is None else check_region("region", region)
         if size != self.size:
             raise ValueError(
-                f"calibration must be for frames of {size[0]} x {size[1]} px, like these, got one "
-                f"for frames of {self.size[0]} x {self.size[1]} px: set the camera to that size, "
-                "or "
-                "calibrate again"
+                f"the frames have {size[0]} x {size[1]} px, but calibration is for frames of "
+                f"{self.size[0]} x {self.size[1]} px: set the camera to the size of the "
+                "calibration, or calibrate again"
             )
         if region is None or self.region is None:
             return
         if region != self.region:
             raise ValueError(
-                f"calibration must be for the region {region} of the sensor (left, top, width, "
-                f"height), like these frames, got one for {self.region}: set the camera to that "
-                "region, or calibrate again"
+                f"the frames show the sensor region {region} (left, top, width, height), but "
+                f"calibration is for the region {self.region}: set the camera to the region of the "
+                "calibration, or calibrate again"
             )
 
     def __repr__(self) -> str:
@@ -234,12 +232,11 @@ class Calibration:
 
 def _checked_features(features: Any) -> dict[str, Feature]:
     if not isinstance(features, Mapping) or len(features) > 100:
-        raise TypeError(f"features must be a mapping of at most 100, got {quoted(features)}")
+        raise TypeError(f"features must be a mapping of at most 100 names, got {quoted(features)}")
     for name, value in features.items():
         if not (isinstance(name, str) and isinstance(value, (str, bool, int, float))):
             raise TypeError(
-                f"features must be names with a text or a number each, got {quoted(name)}: "
-                f"{quoted(value)}"
+                f"features must map names to texts or numbers, got {quoted(name)}: {quoted(value)}"
             )
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"features must be finite, got {quoted(name)}: {value}")

@@ -233,8 +233,8 @@ def frame_size(pixels: Pixels) -> tuple[int, int]:
 def check_same_size(name: str, size: tuple[int, int], first: tuple[int, int]) -> None:
     if size != first:
         raise ValueError(
-            f"{name} is {size[0]} x {size[1]} px, but the previous frames {first[0]} x {first[1]} "
-            "px"
+            f"{name} has {size[0]} x {size[1]} px, but the previous frames have {first[0]} x "
+            f"{first[1]} px"
         )
 
 

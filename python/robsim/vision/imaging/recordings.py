@@ -145,8 +145,8 @@ class Recording:
             self.dt, times = self._images.dt, self._images.times
             if self.dt is not None and not self.dt > _SHORTEST_DT:
                 raise ValueError(
-                    f"{one_line(self.source)} has frames {self.dt:g} s apart, which is "
-                    "implausible: give dt, the time between two frames in s"
+                    f"{one_line(self.source)} has an implausible time of {self.dt:g} s between two "
+                    "frames: give the true time as dt (s)"
                 )
         else:
             self.dt = check_float("dt", dt, "s", exclusive_minimum=0, maximum=_LONGEST_DT)
@@ -275,8 +275,8 @@ def _area_seen(plane_map: PlaneMap, size: tuple[int, int]) -> tuple[int, int]:
     extent = plane_map.to_world(border).max(axis=0) + 0.5
     if not is_seen or np.ptp(np.sign(scale)) or extent.min() < 1:
         raise ValueError(
-            "area: with this plane map the frames do not show the size of the area; "
-            "give its width and height in px"
+            "area: with this plane map, the frames do not determine the size of the area; "
+            "give the area's width and height in px"
         )
     width, height = np.rint(extent).astype(int).tolist()
     return width, height

@@ -40,7 +40,7 @@ class VideoReader:
         self.file = file
         self._av = load_av("reading a video")
         if file.suffix.lower() in image_suffixes() - {".gif"}:
-            raise ValueError(f"{one_line(file)} is an image, not a video: give its folder")
+            raise ValueError(f"{one_line(file)} is an image, not a video: give the folder instead")
         if content_of(file, 5) == b"\x89MCAP":
             raise ValueError(
                 f"{one_line(file)} is a session: use robsim.trace.Session(...), "
@@ -181,7 +181,7 @@ class VideoReader:
             codec = stream and stream.codec_context
             if not codec or codec.width * codec.height > MOST_PIXELS:
                 raise ValueError(
-                    f"{one_line(self.file)} must have frames of a known codec, of at most "
+                    f"{one_line(self.file)} must have a known codec, and frames of at most "
                     f"{MOST_PIXELS} px"
                 )
             codec.thread_count = 1  # more are no faster

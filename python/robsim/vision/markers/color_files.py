@@ -183,7 +183,7 @@ def save_colors(
 
 def _names(argument: str, names: Any) -> set[str]:
     if isinstance(names, (str, bytes, dict)) or not isinstance(names, Iterable):
-        raise TypeError(f"{argument} must be names, such as a list, got {quoted(names)}")
+        raise TypeError(f"{argument} must be an iterable of names, got {quoted(names)}")
     return {check_text(argument, name) for name in names}
 
 

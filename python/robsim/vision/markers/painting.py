@@ -47,8 +47,7 @@ def paint_classes(image: Frame | Pixels, masks: dict[str, Mask]) -> Pixels:
     """
     if not isinstance(masks, dict):
         raise TypeError(
-            f"masks must be a dict of str to bool arrays, as classify returns it, "
-            f"got {quoted(masks)}"
+            f"masks must be a dict of str to bool array, as from classify, got {quoted(masks)}"
         )
     luma = rgb_to_yuv(image.image if isinstance(image, Frame) else image)[..., :1]
     painted = np.repeat(luma // 2, 3, axis=2)

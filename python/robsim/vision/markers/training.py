@@ -84,7 +84,8 @@ def train_color(
         shown *= len(boxes)
     if len(shown) != len(boxes):
         raise ValueError(
-            f"regions must be one for each of the {len(shown)} images, got {len(boxes)}"
+            f"regions must have one region per image, got {len(boxes)} regions for {len(shown)} "
+            "images"
         )
     samples = _Samples(name, percentile, margin, limit_y)
     for k, (image, box) in enumerate(zip(shown, boxes, strict=True)):
@@ -250,7 +251,7 @@ class _Samples:
         left_out = [*missed, *self._skipped]
         if not self._frames:
             raise ValueError(
-                f"frames must show {self._options['name']}, got no such frame: {left_out[0]}"
+                f"frames must show {self._options['name']}, but no frame does: {left_out[0]}"
             )
         color = _widest(self._classes)
         medians = np.array([one.medians for one in self._regions])
@@ -318,13 +319,13 @@ def _images(images: Any) -> list[Frame | Pixels]:
     if _is_picture(images):
         return [images]
     if isinstance(images, (str, bytes, dict)) or not isinstance(images, Iterable):
-        raise TypeError(f"images must be images, or a list of them, got {quoted(images)}")
+        raise TypeError(f"images must be an image or a list of images, got {quoted(images)}")
     shown = list(images)
     if not shown:
         raise ValueError("images must have at least one image, got none")
     for image in shown:
         if not _is_picture(image):
-            raise TypeError(f"images must be images, or a list of them, got one of {quoted(image)}")
+            raise TypeError(f"images must contain only images, got {quoted(image)}")
     return shown
 
 
@@ -345,13 +346,15 @@ def _boxes(regions: Any) -> list[Region]:
 
 def _frames(frames: Any) -> Iterable[tuple[int, Frame | Pixels]]:
     if isinstance(frames, (str, bytes, dict, Frame)) or not isinstance(frames, Iterable):
-        raise TypeError(f"frames must be frames, such as a Recording, got {quoted(frames)}")
+        raise TypeError(
+            f"frames must be an iterable of frames, such as a Recording, got {quoted(frames)}"
+        )
     for k, one in enumerate(getattr(frames, "_each", frames.__iter__)()):
         frame = one.frame if isinstance(one, Observation) else one
         if frame is None:
             continue  # a step without a frame
         if not _is_picture(frame):
-            raise TypeError(f"frames must be frames, such as a Recording, got one of {quoted(one)}")
+            raise TypeError(f"frames must contain only frames, got {quoted(one)}")
         yield k, frame
 
 
@@ -367,7 +370,7 @@ def _marker_boxes(regions: Any, names: Sequence[str]) -> dict[str, Region]:
     if not isinstance(regions, Mapping):
         raise TypeError(f"regions must be a dict with {both}, got {quoted(regions)}")
     if set(regions) != set(names):
-        raise ValueError(f"regions must be those of {both}, got {listed(regions)}")
+        raise ValueError(f"regions must have exactly the keys {both}, got {listed(regions)}")
     return dict(regions)
 
 

@@ -209,8 +209,8 @@ def marker_in(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Float
     if not found:
         known = ", ".join(color.name for color in colors)
         raise ValueError(
-            f"{name} marker: unknown colour {name}, known: {known}; give colours with a "
-            f"{name}, other marker_colors, or the marker's polygon"
+            f"{name} marker: colour {name} is unknown. Known colours are {known}. Give colours "
+            f"that include {name}, other marker_colors, or the marker's polygon"
         )
     pixels = over_grey(image)
     blobs = find_blobs(pixels, found, minimum_area=MINIMUM_AREA, maximum_count=1)[name]

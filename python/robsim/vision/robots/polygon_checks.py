@@ -40,7 +40,7 @@ def polygon(name: str, value: Any) -> Floats:
     points = finite_array(name, value, (-1, 2))
     if abs(points).max(initial=0) > _MAXIMUM_COORDINATE:
         raise ValueError(
-            f"{name} must be a polygon within {_MAXIMUM_COORDINATE:g} px, got {quoted(value)}"
+            f"{name} must be a polygon within +-{_MAXIMUM_COORDINATE:g} px, got {quoted(value)}"
         )
     if len(points) > 1:
         points = np.asarray(points[(points != np.roll(points, -1, axis=0)).any(axis=1)])

@@ -215,7 +215,9 @@ def guess_outline(image: Pixels) -> Floats:
     least = max(9, image.shape[0] * image.shape[1] // 400)
     blobs = find_blobs(painted, [_PAINTED], minimum_area=least, maximum_count=1)["painted"]
     if not blobs:
-        raise ValueError("nothing stands out from the floor at the picture's rim: draw the outline")
+        raise ValueError(
+            "no object differs from the floor at the edges of the picture: draw the outline"
+        )
     across, down = pixels_of_blob(blobs[0], painted, _PAINTED).astype(int).T
     alpha = np.zeros((*image.shape[:2], 4), np.uint8)
     alpha[down, across, 3] = 255

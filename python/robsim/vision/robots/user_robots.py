@@ -137,9 +137,8 @@ def add_robot(
     problems = [] if ignore_colors else check_colors(robot, colors).sentences
     if problems:
         raise ValueError(
-            f"{'; '.join(problems)}. ignore_colors=True, in the shell --anyway, still adds the "
-            "robot; "
-            "the colour file can be changed later"
+            f"{'; '.join(problems)}. To add the robot anyway, use ignore_colors=True, or --anyway "
+            "in the shell; the colour file can be changed later"
         )
     return _store(robot, overwrite)
 
@@ -260,13 +259,13 @@ def check_new_name(name: str, overwrite: bool) -> None:
             f"or a digit, got {quoted(name)}"
         )
     if _RESERVED.fullmatch(name):
-        raise ValueError(f"name must not be reserved by Windows for a device, got {quoted(name)}")
+        raise ValueError(f"name must not be a device name of Windows, got {quoted(name)}")
     _check_not_shipped(name)
     existing = same_name(name, user_robots())
     if existing is not None and not overwrite:
         raise ValueError(
-            f"you already have a robot {quoted(existing)}: overwrite=True, "
-            "in the shell --overwrite, replaces it"
+            f"you already have a robot {quoted(existing)}: to replace it, use overwrite=True, or "
+            "--overwrite in the shell"
         )
 
 
