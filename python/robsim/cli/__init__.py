@@ -28,13 +28,13 @@ _COMMANDS = {
         "Open the panel in the browser: camera view, controls, traces, callbacks.",
         "simulated.start",
     ),
-    "replay": ("replay", "Rerun a shared run of the panel, bit by bit."),
+    "replay": ("replay", "Rerun a shared run of the panel, with identical results."),
     "check": ("check", "Check your callbacks: report each problem with its situation and line."),
-    "grade": ("grade", "Grade submissions by an assignment."),
+    "grade": ("grade", "Grade the submissions of an assignment."),
     "track": ("track", "Track the robot in a video file or a folder of images."),
     "sessions": (
         "lab.sessions",
-        "Recorded runs: complete one that was cut off, make a video of one.",
+        "Repair recorded runs that were cut off, or make videos of recorded runs.",
     ),
     "cameras": ("sources", "List the cameras of this computer, and why others are missing."),
     "live": ("lab.live", "Drive a robot under a real camera, with the callbacks of a folder."),
@@ -45,7 +45,7 @@ _COMMANDS = {
         "calibration.app",
         "Calibrate a camera: its lens, and its pose above the floor.",
     ),
-    "tasks": ("tasks", "Tasks to solve: their sheets, and the scores of a solution."),
+    "tasks": ("tasks", "List and show tasks, and score your solution of a task."),
     "robots": ("robots", "Show, add and choose robots."),
     "colors": ("colors", "Show, train and test the colour classes that vision detects."),
 }
@@ -76,7 +76,9 @@ def _root(
     verbose: Annotated[
         bool,
         typer.Option(
-            "--verbose", metavar="", help="With --version: system, packages, cameras, isolation."
+            "--verbose",
+            metavar="",
+            help="With --version: also print system, packages, cameras and isolation.",
         ),
     ] = False,
 ) -> None:

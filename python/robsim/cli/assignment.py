@@ -38,15 +38,15 @@ def calibrate(
 ) -> None:
     """Find the score limits for points, and write limits.json.
 
-    The correct solutions in solutions/ are run until their limits are known: an equally good
-    solution hardly ever misses these, for any distribution of the scores. Then the wrong ones are
-    run. The output shows the number of tests in which each gets less than full points. Calibration
-    takes some minutes. After Ctrl-C, the same command continues. Then robsim grade
-    --regrade applies the new limits to results with provisional limits.
+    The command runs the correct solutions in solutions/ until the limits are known. An equally good
+    solution hardly ever misses these limits, for any distribution of the scores. Then the command
+    runs the wrong solutions, and prints the number of tests in which each gets less than full
+    points. Calibration takes some minutes. After Ctrl-C, the same command continues. Afterwards,
+    robsim grade --regrade applies the new limits to results with provisional limits.
 
     --false-fail SHARE: Largest probability that a correct solution gets less than full points in a
-        test. A tenth of it takes ten times as long.
-    --confidence SHARE: Share of calibrations that keep this probability.
+        test. A ten times smaller value takes ten times as long.
+    --confidence SHARE: Share of calibrations whose limits respect this probability.
     --provisional: Find provisional limits in a minute or two, from fewer tests.
 
     Example: robsim assignment calibrate hw1
@@ -98,17 +98,17 @@ def new(
 
     TEMPLATE is park, follow, identify, measure, estimate, or a notebook such as 02_park.
 
-    For a task the folder gets its own key and numbers, a sheet, solutions and provisional limits.
-    First these are the limits of the shipped task, after a minute or two the folder's own. All
-    commands work with provisional limits, and report them. robsim assignment calibrate finds exact
-    limits. README.md describes the files.
+    For a task, the folder gets its own key and numbers, a sheet, solutions and provisional limits.
+    At first, the folder has the limits of the shipped task; after a minute or two, it has its own
+    limits. All commands work with provisional limits, and report them. robsim assignment calibrate
+    finds exact limits. README.md describes the files.
 
-    For a notebook the folder gets a key, a sheet and the notebook. Each exercise has a public and a
-    hidden test. It needs no calibration.
+    For a notebook, the folder gets a key, a sheet and the notebook. Each exercise has a public and
+    a hidden test. A notebook needs no calibration.
 
     TEMPLATE: The task, or the notebook, for students.
-    FOLDER: The folder; created.
-    --name TEXT: Name of the assignment. Default: the folder's.
+    FOLDER: The folder to create.
+    --name TEXT: Name of the assignment. Default: the name of the folder.
     --no-calibrate: Keep the limits of the task shipped with robsim.
     --seed N: Seed of the drawn numbers, but not of the key. Default: a new seed each time.
 
@@ -137,14 +137,14 @@ def new(
 def check(folder: Folder, jobs: AllJobs = None, as_json: Json = False) -> None:
     """Check an assignment before you rely on it.
 
-    It grades a class of all known cases. Correct solutions, one also as a notebook, must get all
-    points, and wrong ones fewer. Empty submissions must get no points, nor those that end their
-    process, hang, patch the scoring, or look for the truth. The key must be secret, and the limits
-    must belong to this task. The sheet must name the callbacks to write. The students' files must
-    contain no hidden data.
+    The command grades a class of all known kinds of submissions. Correct solutions, one also as a
+    notebook, must get all points, and wrong solutions fewer points. A submission must get no points
+    if it is empty, ends its process, hangs, patches the scoring, or looks for the truth. The key
+    must be secret, and the limits must belong to this task. The sheet must name the callbacks to
+    write. The students' files must contain no hidden data.
 
-    It takes a minute or two. The exit status is 0 if all checks pass, 1 if some fail, 2 if the
-    assignment is unusable.
+    The check takes a minute or two. The exit status is 0 if all checks pass, 1 if some fail, 2 if
+    the assignment is unusable.
 
     Example: robsim assignment check hw1
     """
@@ -163,13 +163,13 @@ def pack(
     gradescope: Path | None = None,
     install: str | None = None,
 ) -> None:
-    """Pack an assignment: for students, for Gradescope.
+    """Pack an assignment for students, or for Gradescope.
 
     Students get the sheet, start files, and the public tests with the reference's scores, but no
-    key, no hidden test and no solution. The autograder contains everything for grading, also the
-    key: upload it to Gradescope only.
+    key, no hidden test and no solution. The autograder contains everything for grading, including
+    the key: upload it to Gradescope only.
 
-    --students ZIP|FOLDER: Write the students' files: a zip, or a folder.
+    --students ZIP|FOLDER: Write the files for students to a zip or a folder.
     --gradescope ZIP: Write an autograder for Gradescope.
     --install WHEEL|NAME: With --gradescope: a wheel of robsim to install there, or a requirement
         for pip such as robsim==1.2. Default: this version, as found by pip.
@@ -195,10 +195,9 @@ def pack(
 
 
 HELP = (
-    "In this order: new writes a folder, with assignment.toml and sheet.md for you to edit; "
-    "calibrate finds the score limits for points. Then check grades all known correct and "
-    "wrong submissions, and pack writes the students' files and an autograder for "
-    "Gradescope."
+    "Use the commands in this order. new writes a folder, with assignment.toml and sheet.md for "
+    "you to edit. calibrate finds the score limits for points. check grades all known correct and "
+    "wrong submissions. pack writes the students' files, and an autograder for Gradescope."
 )
 app = command_group("Start with: robsim assignment new park hw1")
 for one in (new, calibrate, check, pack):

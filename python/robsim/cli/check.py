@@ -28,7 +28,7 @@ _STYLES = {"well": "green", "remark": "yellow", "ill": "bold red"}
 
 def check(
     path: Path,
-    slot: Annotated[str | None, f"--slot NAME: Only this one: {', '.join(SLOTS)}."] = None,
+    slot: Annotated[str | None, f"--slot NAME: Check only this slot: {', '.join(SLOTS)}."] = None,
     task: str | None = None,
     as_json: Json = False,
 ) -> None:
@@ -39,12 +39,12 @@ def check(
     if the folder has no callbacks. A check stops calls longer than 5 s, and prints a line to stderr
     at its end.
 
-    With --task they are also tried on a task, like robsim tasks try, in its world. The report shows
-    whether they solve it, each score short of its limit, and the reason. The exit status is 0 if
-    they solve the task, and all files pass.
+    With --task, the callbacks also run in the world of this task, as in robsim tasks try. The
+    report shows whether they solve the task, each score that misses its limit, and the reason. The
+    exit status is 0 if they solve the task, and all files pass.
 
     FILE|FOLDER: A folder with callbacks, one of its files, or a notebook.
-    --task NAME: Also try them on that task; see robsim tasks list.
+    --task NAME: Also try the callbacks on this task; see robsim tasks list.
 
     Example: robsim check mine
     """

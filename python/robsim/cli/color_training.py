@@ -39,20 +39,20 @@ def train(
 ) -> None:
     """Find the ranges of a colour in images, or the ranges of a robot's markers in a recording.
 
-    With images: give a --region for each, and the --name of the colour; image viewers show pixel
-    positions. With a recording of the driving robot, the markers are trained all along its path, in
-    the light of the whole floor. The command prints the ranges in the format of a colour file, and
-    the drift of level and chroma from frame to frame. --to writes the ranges to a file and keeps
-    its other colours.
+    With images, give one --region per image, and the --name of the colour; image viewers show pixel
+    positions. With a recording of the driving robot, the command trains the markers along the whole
+    path, in the light of the whole floor. The command prints the ranges in the format of a colour
+    file, and the drift of level and chroma from frame to frame. --to writes the ranges to a file,
+    and keeps the other colours in the file.
 
     FRAMES: Images, or one recording: a video, a folder of images, a session.
-    --region [NAME=]L,T,R,B: Box in px around pixels of the colour: left,top,right,bottom; one for
-        each image. For a recording, one in its first frame for each of the robot's colours,
-        red=L,T,R,B and blue=L,T,R,B, if --colors fail to find it. Can be repeated.
-    --name NAME: For images: name of the colour: red, ...
+    --region [NAME=]L,T,R,B: Box in px around pixels of the colour: left,top,right,bottom. Give one
+        box per image. For a recording, give red=L,T,R,B and blue=L,T,R,B in the first frame if
+        --colors fail to find the robot. Can be repeated.
+    --name NAME: For images: name of the colour, such as red.
     --to FILE: Colour file to write to; created if needed.
     --margin LEVELS: Widening of the ranges found, in levels of 0..255. Default: 52.
-    --limit-y: For images: limit the brightness Y, too; needed for black and white.
+    --limit-y: For images: also limit the brightness Y, as needed for black and white.
     --figure FILE: For images: file for the histograms, such as red.png.
 
     Example: robsim colors train frame.png --region 578,613,594,630 --name red --to colors.toml

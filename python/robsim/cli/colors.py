@@ -24,11 +24,11 @@ from robsim.vision.robots.polygons import inner_box, placed
 
 HELP = (
     "A colour class is a name with ranges of Y (brightness), U and V; a colour file contains "
-    "several. Most commands accept one: --colors FILE."
+    "several. Most commands accept a colour file: --colors FILE."
 )
 app = command_group("Start with: robsim colors frame")
 
-Images = Annotated[list[Path], "IMAGE: Images."]
+Images = Annotated[list[Path], "IMAGE: Image files."]
 
 
 @command(app)
@@ -40,11 +40,11 @@ def frame(
     noise: Noise = None,
     seed: Seed = None,
 ) -> None:
-    """Write an image of the simulated robot, to train and test colours on.
+    """Write an image of the simulated robot, to train and test colours.
 
-    Prints the regions of its markers.
+    The command also prints the regions of the robot's markers.
 
-    FILE: The image.
+    FILE: The image to write.
     --at X,Y: Position of the robot in px. Default: the centre.
     --heading DEGREES: Heading in degrees, clockwise from facing right.
 
@@ -100,13 +100,13 @@ def try_colors(
 ) -> None:
     """Search images for colours.
 
-    With --region, it scores the detection of a colour in one image under other light and noise. It
-    proposes wider or narrower ranges.
+    With --region, the command scores the detection of a colour in one image under other light and
+    noise, and proposes wider or narrower ranges.
 
     --smoothing PX: Width of the averaging window in px: 3, 5, ... 15; 1 = off.
-    --region NAME=L,T,R,B: Region of the colour NAME; give all its regions. Can be repeated.
-    --out FILE|FOLDER: Image file that paints each pixel in its colour class; a folder for several
-        images.
+    --region NAME=L,T,R,B: Region of the colour NAME. Repeat the option for all regions.
+    --out FILE|FOLDER: Image file to write, with each pixel painted in its colour class. For several
+        images, a folder.
 
     Example: robsim colors test frame.png --colors colors.toml --out seen.png --region
     red=578,613,594,630

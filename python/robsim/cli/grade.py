@@ -74,47 +74,48 @@ def grade(
     check_isolation: bool = False,
     as_json: Json = False,
 ) -> None:
-    """Grade submissions by an assignment.
+    """Grade the submissions of an assignment.
 
     Each submission runs in its own process, which receives frames but never the truth. Results are
-    written after each test. The same command continues an interrupted one, and repeats only changed
-    tests. The folder of each student has index.html and result.txt. The folder above has
+    written after each test. The same command continues an interrupted grading, and repeats only
+    changed tests. The folder of each student has index.html and result.txt. The folder above has
     class.html, class.csv, and by_hand.csv for your entries: late days, other points, comments.
 
-    With --public, for students: the public tests of their work.
+    With --public, students can run the public tests on their own work.
 
-    The exit status is 0 if all have full points, 1 if points are missing, 3 if submissions cannot
-    be isolated. It is 2 if the assignment is incomplete or broken, or if something could not be
-    graded.
+    The exit status is 0 if all submissions have full points, 1 if points are missing, 3 if
+    submissions cannot be isolated. It is 2 if the assignment is incomplete or broken, or if
+    something could not be graded.
 
-    robsim grade --check-isolation reports the isolation on this machine. Tests without an
-    assignment: python -m pytest --robsim-submission=PATH TESTS.py.
+    robsim grade --check-isolation reports the isolation on this machine. To run your own tests
+    without an assignment, use python -m pytest --robsim-submission=PATH TESTS.py.
 
     ASSIGNMENT: The folder of the assignment.
-    SUBMISSIONS: A folder with one for each student: a folder, a Python file, a notebook or a zip;
-        or the zip of these from Moodle, Canvas or Blackboard; or a single one.
-    --public: Only the public tests, which students have, too.
-    --only NAME: Run only this test, or grade only this student; may be given twice. Results of
-        others are kept.
-    --groups FILE: A table with the columns group and student: each member of a group gets its
-        marks. Default: groups.csv next to the submissions, if it exists.
-    --isolation LEVEL: auto = every isolation that works here. strict = the same, with required
-        isolation of files, processes, network and memory. process = limits only. none = a separate
-        process only. Default: the assignment's level.
+    SUBMISSIONS: A folder with one submission per student, a zip of submissions from Moodle, Canvas
+        or Blackboard, or a single submission. A submission is a folder, a Python file, a notebook
+        or a zip.
+    --public: Run only the public tests, which students also have.
+    --only NAME: Run only this test, or grade only this student. Other results are kept. Can be
+        repeated.
+    --groups FILE: A table with the columns group and student: each student gets the marks of the
+        group. Default: groups.csv next to the submissions, if it exists.
+    --isolation LEVEL: auto uses every isolation that works here. strict also requires isolation of
+        files, processes, network and memory. process uses only limits. none uses only a separate
+        process. Default: the level of the assignment.
     --student NAME: The author of a single submission. Default: the name of its file or folder.
     --columns PLATFORM: Columns of class.csv: robsim, moodle, canvas or blackboard.
-    --pseudonyms: No names of students in class.html and class.csv.
-    --teacher-pages: Write teacher.html for each student, too, with hidden tests.
+    --pseudonyms: Write pseudonyms instead of names to class.html and class.csv.
+    --teacher-pages: Also write teacher.html for each student, with hidden tests.
     --feedback ZIP: Write the pages of all students into a zip, in Moodle's format for feedback
         files.
     --gradescope FILE: Write the result of a single submission for Gradescope, results.json. For an
-        autograder: robsim assignment pack.
-    --regrade: Run nothing: mark the results in --out again, after limits, points or by_hand.csv
-        changed, and print all students with changed points.
+        autograder, use robsim assignment pack.
+    --regrade: Run no tests, but mark the results in --out again after a change of limits, points or
+        by_hand.csv. Print all students with changed points.
     --play TEST: For an appeal: repeat a run of this test exactly, and write its trace and picture.
-    --gui: Also open the run to --play in the panel, in the browser, with the goal of the task; the
-        panel ends when you close its page, or with Ctrl-C.
-    --run N: Number of the run to --play. Default: the worst run in the results.
+    --gui: With --play: also open the run in the panel in the browser, with the goal of the task.
+        The panel ends when you close its page, or with Ctrl-C.
+    --run N: With --play: number of the run. Default: the worst run in the results.
     --check-isolation: Test the isolation on this machine, report the result, and grade nothing.
 
     Example: robsim grade hw3 submissions

@@ -10,10 +10,11 @@ from robsim.cli import errors
 def notebooks(folder: Path, solutions: bool = False) -> None:
     r"""Copy the notebooks for students into a folder.
 
-    They need Jupyter: pip install notebook 'robsim\[notebook]'. Then: jupyter notebook FOLDER
+    The notebooks need Jupyter: pip install notebook 'robsim\[notebook]'. Then run jupyter notebook
+    FOLDER.
 
-    FOLDER: The folder; created if needed.
-    --solutions: For teachers: copy them with the exercises solved.
+    FOLDER: The folder to copy to; created if needed.
+    --solutions: For teachers: copy the notebooks with solved exercises.
 
     Example: robsim notebooks coursework
     """

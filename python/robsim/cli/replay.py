@@ -12,15 +12,15 @@ from robsim.cli.outcome import show_panel
 
 
 def replay(file: Path, trust: bool = False, port: int = 0, no_browser: bool = False) -> None:
-    """Rerun a shared run, bit by bit, and open its panel at the last step.
+    """Rerun a shared run with identical results, and open its panel at the last step.
 
-    A file may contain Python code, its callbacks. They run with your rights, and only after your
-    consent, or with --trust: read the code of a stranger first, the file is text.
+    A file may contain callbacks, which are Python code. They run with your rights, and only after
+    your consent, or with --trust. Read the code of a stranger first: the file is plain text.
 
-    FILE: Replay file, from Share of the panel.
-    --trust: Run the code of the file without a question.
-    --port N: Port of the page on this machine. [default: any that is free]
-    --no-browser: Start no browser, print the address only.
+    FILE: Replay file, written by Share in the panel.
+    --trust: Consent to the code of the file in advance.
+    --port N: Port of the page on this machine. [default: any free port]
+    --no-browser: Only print the address, and open no browser.
 
     Example: robsim replay run.replay
     """

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 HELP = (
     "A robot is an image from above with an outline, two markers of different colours, a size and "
-    "an alignment. Some ship with robsim; yours are stored in your user folder, or in $ROBSIM_DATA."
+    "an alignment. Some robots ship with robsim; your own are stored in your user folder, or in "
+    "$ROBSIM_DATA."
 )
 app = command_group("Start with: robsim robots list")
 
@@ -72,7 +73,7 @@ def list_robots() -> None:
 def show(name: str | None = None, out: Path | None = None, colors: Colors = None) -> None:
     """Draw a robot with its outline, markers and heading, and check it.
 
-    NAME|FOLDER: A robot, or a folder with one. [default: the default robot]
+    NAME|FOLDER: Name of a robot, or its folder. [default: the default robot]
     --out FILE: File for the drawing. [default: robot-NAME.png]
 
     Example: robsim robots show lab
@@ -113,20 +114,21 @@ def add(
     Missing options are derived from an image, or copied from another robot. The robot's
     surroundings in the image must be transparent, unless you give --outline. The roles of the
     markers, right and left, or front and back, follow from their positions. Check the result with
-    [bold]robsim robots show[/], rotate it with [bold]robsim robots rotate[/].
+    [bold]robsim robots show[/], and rotate the robot with [bold]robsim robots rotate[/].
 
-    SOURCE: An image (PNG), a robot, or a folder.
+    SOURCE: An image (PNG), the name of a robot, or a folder with a robot.
     --size PX: Width of the image on the work area in px. [default: 120]
     --alignment DEGREES: Clockwise rotation in degrees that makes the robot face right. [default: 0]
-    --centre X,Y: Centre in the image, as '240,250': px right,down. [default: the outline's]
-    --outline POINTS: Polygon in the image, as '120,40 180,40 180,90'. [default: around the opaque
-        pixels]
-    --marker NAME=POINTS: Polygon of the marker of a colour, as 'red=120,40 180,40 180,90'. Can be
-        repeated. [default: the largest blob of each colour]
-    --marker-colors NAME,NAME: Colours of the two markers, by their names in the colour file; to
-        replace those of another robot, in the order of their roles. [default: red,blue]
-    --overwrite: Replace your robot of this name.
-    --anyway: Add it even if its markers are not detected.
+    --centre X,Y: Centre in the image in px, such as 240,250 (right, down). [default: the centre of
+        the outline]
+    --outline POINTS: Polygon in the image, such as '120,40 180,40 180,90'. [default: around the
+        opaque pixels]
+    --marker NAME=POINTS: Polygon of the marker with this colour, such as
+        'red=120,40 180,40 180,90'. Can be repeated. [default: the largest blob of each colour]
+    --marker-colors NAME,NAME: Names of the two markers' colours in the colour file. To replace the
+        colours of another robot, use the order of the markers' roles. [default: red,blue]
+    --overwrite: Replace your robot with this name.
+    --anyway: Add the robot even if its markers are not detected.
 
     Example: robsim robots add mine photo.png --size 120
     """

@@ -34,8 +34,8 @@ _FORMS: dict[str | type[Option], tuple[type, str, str]] = {
     Switch: (bool, "", ""),
     "robot": (str, "NAME|FOLDER", ""),
     "headings": (str, "N", ""),
-    "noise": (str, "KIND:PERCENT", "Such as gaussian:10 or uniform:10."),
-    "dropout": (str, "PROBABILITY[:STEPS]", "0.2:5 = with probability 0.2, 5 steps at a time."),
+    "noise": (str, "KIND:PERCENT", "Examples: gaussian:10, uniform:10."),
+    "dropout": (str, "PROBABILITY[:STEPS]", "0.2:5 means probability 0.2, 5 steps at a time."),
     "start": (str, "X,Y,DEGREES", ""),
     "seed": (int, "N", ""),
     "colors": (str, "FILE", ""),
@@ -43,19 +43,19 @@ _FORMS: dict[str | type[Option], tuple[type, str, str]] = {
     "control": (
         str,
         "NAME[:POINTS]",
-        f"A built-in controller replaces the folder's: {_CONTROLS}. Points are in px; with "
-        "points the pose is measured.",
+        f"A built-in controller replaces the controller of the folder: {_CONTROLS}. Points are in "
+        "px, and a controller with points switches --measure on.",
     ),
 }
 # Texts of the options whose values differ in the shell.
 _TEXTS = {
     "robot": "Name of a robot, or a folder with a robot.toml. Default: the choice of robsim "
     "robots use, initially lab.",
-    "headings": "Number of drawn headings of the robot: the nearest, at integer pixels. "
-    "Or: continuous, at its exact pose.",
-    "start": "The first pose: x, y (px), heading (degrees, clockwise), such as 300,300,90; or: "
+    "headings": "Number of headings in which the robot is drawn, at whole pixels. Or continuous: "
+    "the robot is drawn at its exact pose.",
+    "start": "The initial pose: x, y (px), heading (degrees, clockwise), such as 300,300,90, or "
     "random. Default: the centre of the area, facing right.",
-    "seed": "Seed of all random numbers of the run. Default: another one in each run.",
+    "seed": "Seed of all random numbers of the run. Default: a different seed in each run.",
     "colors": "File of the colours to detect. Default: red and blue as shipped with robsim.",
     "markers": "Robot with the markers of the default measurement. Default: the robot of --robot.",
 }
@@ -90,10 +90,12 @@ Pixels = Annotated[
     str | None,
     "--pixels POINTS: Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
 ]
-Positions = Annotated[str | None, "--positions POINTS: Their positions on the work area, in px."]
+Positions = Annotated[
+    str | None, "--positions POINTS: Positions of the same points on the work area, in px."
+]
 CalibrationFile = Annotated[
     Path | None,
-    "--calibration FILE: Calibration of the camera, from robsim calibrate, with the map of pixels.",
+    "--calibration FILE: Calibration of the camera, from robsim calibrate floor.",
 ]
 ScenarioFile = Annotated[
     Path | None,
@@ -101,16 +103,16 @@ ScenarioFile = Annotated[
 ]
 Unit = Annotated[str, "--unit UNIT: Unit of lengths in the results and figures: px, mm, cm or m."]
 Scale = Annotated[
-    float | None, "--scale MM: With --unit: length of a px of the work area on the floor, in mm."
+    float | None, "--scale MM: With --unit: length on the floor of 1 px of the work area, in mm."
 ]
 CallLimit = Annotated[
     float | None,
-    "--time-limit SECONDS: Maximum duration of a call of one of your callbacks. Default: none.",
+    "--time-limit SECONDS: Maximum time of each call of your callbacks. Default: no limit.",
 ]
 Jobs = Annotated[int, "--jobs N: Number of processes."]
 #: As many as there are cores, unless it is given.
 AllJobs = Annotated[
-    int | None, "--jobs N: Number of processes. Default: the cores available to this process."
+    int | None, "--jobs N: Number of processes. Default: the number of available cores."
 ]
 Out = Annotated[Path, "--out FOLDER: Folder for the results."]
 Json = Annotated[bool, "--json: Print only the numbers, as JSON."]

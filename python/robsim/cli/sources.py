@@ -168,7 +168,7 @@ def rate_of(fps: float | None, dt: float | None) -> float | None:
 def cameras(network: bool = False, as_json: Json = False) -> None:
     """List the cameras of this computer, and why others are missing.
 
-    Each with its argument for robsim.Camera. No camera is opened.
+    The list shows the argument of robsim.Camera for each camera. No camera is opened.
 
     --network: Also search the network for GigE Vision cameras, for 1 s.
 

@@ -30,10 +30,10 @@ def list_tasks() -> None:
 def show(name: Name, to: Path | None = None) -> None:
     """Show a task: its aim, its data, and its scores.
 
-    With --to it is written to a folder as sheet.md, with a file for each callback to write. Their
-    values are in task.py. Existing files are kept.
+    With --to, the command writes sheet.md to a folder, with a start file for each callback to
+    write. The values of the task are in task.py. Existing files are kept.
 
-    --to FOLDER: Write the sheet and start files there; created if needed.
+    --to FOLDER: Folder for the sheet and the start files; created if needed.
 
     Example: robsim tasks show park --to parking
     """
@@ -69,15 +69,15 @@ def try_solution(
 ) -> None:
     """Try a solution of a task, and a reference in the same runs.
 
-    It prints the scores, and each fault with its line. The exit status is 0 if the solution is as
-    good as the reference, 1 if it is worse, 2 without a solution. It runs in this process, like
-    your own code: grade other people's with robsim grade.
+    The command prints the scores, and each fault with its line. The exit status is 0 if the
+    solution is as good as the reference, 1 if it is worse, 2 without a solution. The solution runs
+    in this process, like your own code: grade the code of other people with robsim grade.
 
     FILE|FOLDER: A folder with the callbacks, a single callback's file, or a notebook.
-    --runs N: Number of runs. Default: the task's.
+    --runs N: Number of runs. Default: the number of the task.
     --seed N: Seed of the runs.
-    --time-limit SECONDS: Longest duration of a call of a callback. Default: unlimited.
-    --figure FILE: Draw the worst run: a PNG, PDF or SVG file.
+    --time-limit SECONDS: Maximum time of each call of a callback. Default: no limit.
+    --figure FILE: File for a figure of the worst run: PNG, PDF or SVG.
 
     Example: robsim tasks try park parking --figure park.png
     """
@@ -101,9 +101,9 @@ def try_solution(
 
 
 HELP = (
-    "A task is a world, the callbacks that you write for it, and scores. Show one with --to "
-    "to get its sheet and start files; edit them, and try them as often as you like: they "
-    "run on the same seeds as a reference."
+    "A task is a world, the callbacks that you write for it, and scores. robsim tasks show --to "
+    "writes the sheet and the start files. Edit the files, and try your solution as often as you "
+    "like: it runs on the same seeds as a reference."
 )
 app = command_group("Start with: robsim tasks list")
 command(app, "list")(list_tasks)

@@ -38,13 +38,13 @@ def track(
 ) -> None:
     """Track the robot in a video file or a folder of images.
 
-    Writes the trace, the figures and an annotated video. For a camera that views the floor
-    obliquely, give four or more points of known position. The exit status is 1 if the robot was
-    never seen.
+    The command writes the trace, the figures and an annotated video. For a camera that views the
+    floor obliquely, give four or more points of known position. The exit status is 1 if the robot
+    was never seen.
 
     SOURCE: Video file, or folder of images.
-    --dt SECONDS: Time between two frames in s. Default: the times in the video; 0.2 for images.
-    --video/--no-video: Write the annotated video, tracked.mp4, too.
+    --dt SECONDS: Time between two frames in s. Default: the times in the video, or 0.2 for images.
+    --video/--no-video: Also write the annotated video, tracked.mp4.
 
     Example: robsim track run.mkv --area 1200x1200 --out tracked
     """

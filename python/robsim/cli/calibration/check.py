@@ -16,13 +16,13 @@ def check(
 ) -> None:
     """Draw the floor's grid on a picture, to see whether a calibration fits.
 
-    Yellow lines lie on the floor: tiles and marks of known places must lie on them. Blue lines are
-    at the height of the robot's markers. Floor sheets in place since the calibration reveal a moved
-    camera.
+    Yellow lines lie on the floor: tiles and marks at known places must lie on these lines. Blue
+    lines are at the height of the robot's markers. If floor sheets still lie as in the calibration,
+    the command also reports whether the camera has moved.
 
     PICTURE: Picture, folder or video; the first picture is used.
     --calibration FILE: The calibration.
-    --step MM: Distance of the lines in mm. Default: a round number.
+    --step MM: Distance between two lines in mm. Default: a round number.
     --out FILE: The picture to write.
 
     Example: robsim calibrate check floor.png --calibration camera.toml --out check.png

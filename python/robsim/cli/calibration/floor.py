@@ -39,26 +39,26 @@ def floor(
 ) -> None:
     """Calibrate a camera's pose above the floor.
 
-    With printed sheets (robsim calibrate sheet --kind floor): lay them anywhere on the floor,
-    spread over the whole area, and take a picture; no measurement is needed. --place sets the place
-    of a sheet's cross on the area. By default the sheet with the lowest number is the middle of the
-    area, and x points to its right. Or with marks at measured places: --marks or --pixels and
-    --positions. Six or more, with a lens five, are checked against each other. The exit status is 1
-    if the result is bad.
+    The easy way needs printed sheets (robsim calibrate sheet --kind floor). Spread them over the
+    whole area, and take a picture; no measurement is needed. --place sets the place of a sheet's
+    cross on the area. By default, the sheet with the lowest number is the middle of the area, and x
+    points to the right of this sheet. The other way needs marks at measured places: give --marks,
+    or --pixels and --positions. robsim checks six or more marks (with a lens, five) against each
+    other. The exit status is 1 if the result is bad.
 
     PICTURES: Pictures of the floor, folders of pictures, or videos; the camera stands still.
     --area WxH: Size of the work area in px.
-    --scale MM: Length of a px of the work area on the floor in mm.
-    --marker-height LENGTH: Height of the robot's markers above the floor, such as 80mm; needs a
+    --scale MM: Length on the floor of 1 px of the work area, in mm.
+    --marker-height LENGTH: Height of the robot's markers above the floor, such as 80mm. Requires a
         lens.
     --calibration FILE: The lens calibration from robsim calibrate lens. Default: no lens
         distortion.
     --place N:X,Y: Place of the cross of sheet N in mm from the top left corner of the area. Can be
         repeated.
-    --marks FILE: Marks as CSV with the columns name, u, v (px), x, y (mm), separated by commas,
-        semicolons or tabs; marks of the same name are averaged.
-    --pixels POINTS: Marks in the picture in px: '12,8 630,11 ...'.
-    --positions POINTS: Their places on the floor in mm from the top left corner of the area.
+    --marks FILE: CSV file of marks with the columns name, u, v (px), x, y (mm), separated by
+        commas, semicolons or tabs. Marks with the same name are averaged.
+    --pixels POINTS: Marks in the picture in px, such as '12,8 630,11 ...'.
+    --positions POINTS: The same marks on the floor, in mm from the top left corner of the area.
     --out FILE: The calibration to write. Default: the file of --calibration, or camera.toml.
 
     Example: robsim calibrate floor floor.png --calibration camera.toml --area 1200x1200 --scale 2

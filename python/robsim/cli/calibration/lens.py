@@ -33,18 +33,18 @@ def lens(
 ) -> None:
     """Calibrate a lens with pictures of a printed board.
 
-    Take ten to twenty pictures, of the size used later for the robot. Hold the board still, tilted
-    by 20 to 45 degrees, each time in another direction, and cover all corners of the picture.
-    Pictures are files, folders and videos. With --camera, robsim takes them whenever the board
-    stands still at a new place. Photos are read as stored by the sensor, without rotation. A
-    ChArUco board reveals mirrored pictures, a chessboard does not. The exit status is 1 if the
-    result is bad.
+    Take ten to twenty pictures, in the size that you will use for the robot. For each picture, tilt
+    the board by 20 to 45 degrees in another direction, and hold it still. Together, the pictures
+    must show the board in all corners of the picture. With --camera, robsim takes a picture
+    whenever you hold the board still at a new place. Photos are read as stored by the sensor,
+    without rotation. A ChArUco board reveals mirrored pictures, but a chessboard does not. The exit
+    status is 1 if the result is bad.
 
     PICTURES: Pictures, folders of pictures, or videos.
     --charuco: The board is a ChArUco board.
-    --camera SOURCE: Take the pictures from a live camera: its number or its address.
+    --camera SOURCE: Number or address of a live camera, which takes the pictures.
     --count N: Number of pictures to take with --camera.
-    --keep FOLDER: Folder for these pictures.
+    --keep FOLDER: Folder for the pictures of --camera.
     --out FILE: The calibration to write.
 
     Example: robsim calibrate lens pictures/ --board 9x6 --square 25 --out camera.toml

@@ -27,11 +27,11 @@ Board = Annotated[
 ]
 Square = Annotated[
     float | None,
-    "--square MM: Side of a square in mm, as printed: measure it. Default: 25; 28 on a ChArUco "
-    "board.",
+    "--square MM: Side of a printed square in mm: measure the print. Default: 25, or 28 for a "
+    "ChArUco board.",
 ]
 Mark = Annotated[
-    float, "--mark MM: Side of a mark on the floor sheets in mm, as printed: measure it."
+    float, "--mark MM: Side of a printed mark on the floor sheets in mm: measure the print."
 ]
 
 

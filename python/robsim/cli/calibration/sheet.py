@@ -21,9 +21,9 @@ def sheet(
 ) -> None:
     """Write a sheet to print, as PDF at true scale.
 
-    Print it at 100 %, not 'fit to page', and measure its line of 100 mm. chessboard and charuco are
-    for the lens: glue the sheet on something flat. A ChArUco board may reach beyond the picture.
-    floor is for the floor: print several, with different numbers.
+    Print the sheet at 100 %, not 'fit to page', and check that its line is 100 mm long. For a lens,
+    use chessboard or charuco, and glue the sheet on a flat plate. A ChArUco board may extend beyond
+    the picture. For the floor, use floor, and print several sheets with different numbers.
 
     --out FILE: The PDF file to write.
     --kind KIND: chessboard, charuco or floor.
@@ -50,4 +50,4 @@ def sheet(
             raise ValueError("--number and --mark are for floor sheets: add --kind floor")
         save_sheet(out, board_of(board, square, charuco=kind == "charuco"), paper=paper)
     errors.say(f"written: {out}")
-    errors.print_note("print it at 100 %, and measure its line of 100 mm")
+    errors.print_note("print the sheet at 100 %, and check that its line is 100 mm long")

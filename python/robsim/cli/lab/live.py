@@ -53,29 +53,32 @@ def live(
     """Drive a robot under a real camera.
 
     Try it without hardware: --camera simulated is a simulated lab in real time. Before a real robot
-    drives, use --check. The robot is stopped at the end, by Ctrl-C, after an error in a callback
-    and when a frame is late; the results are kept. Without a controller, yours or --control, the
-    robot is only measured.
+    drives, use --check. The robot stops at the end, after Ctrl-C, after an error in a callback, and
+    when a frame is late; the results are kept. If neither the folder nor --control gives a
+    controller, the command only measures the robot.
 
-    --camera SOURCE: Number of a camera, such as 0; address, such as firewire://,
-        gige://192.168.1.20 or http://camera.local/video.mjpg; video file or folder of images,
-        played at its own rate; or: simulated.
-    --motors LINE: Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD; simulated =
-        the line of the simulated lab, its default. none = no inputs are sent, the default of all
-        other cameras.
-    --check: Only measure for 3 s, while the robot stands: is the camera good enough? The exit
-        status is 1 if it is not.
-    --control NAME[:POINTS]: A built-in controller instead of the folder's, as in robsim run.
+    --camera SOURCE: The number of a camera (such as 0), an address (such as firewire://,
+        gige://192.168.1.20 or http://camera.local/video.mjpg), a video file or a folder of images
+        (played at its own rate), or simulated.
+    --motors LINE: Line to the robot: udp:HOST:PORT, serial:PORT or serial:PORT@BAUD. For the
+        simulated lab, the default is simulated. All other cameras have the default none, which
+        sends no inputs.
+    --check: Only measure the standing robot for 3 s, and report whether the camera is good enough.
+        The exit status is 1 for a bad camera.
+    --control NAME[:POINTS]: A built-in controller, which replaces the controller of the folder, as
+        in robsim run.
     --steps N: Number of steps. Default: until Ctrl-C, or the end of a file.
     --seconds S: Duration in s, instead of --steps.
     --max-voltage V: Largest voltage of a motor in V.
     --slew-rate V/S: Largest change of a voltage in V/s.
-    --fps RATE: Frames per second: set in a camera with a number, on FireWire or on GigE. Other
-        addresses report no rate: give the real one. A folder is played at that rate.
-    --every N: Use only each n-th frame. Default: all, or as many as a step of define_model.py has.
-    --dt SECONDS: 1 / RATE, instead of --fps, in s.
-    --frame-timeout SECONDS: The robot is stopped after this time without a fresh frame. Default:
-        three frames, at least 0.1 s, or up to 0.3 s if their jitter needs it.
+    --fps RATE: Frames per second. A camera with a number, on FireWire or on GigE is set to this
+        rate. For other addresses, give the real rate of the camera. A folder is played at this
+        rate.
+    --every N: Use only every n-th frame. Default: 1, or the number that fits the dt of
+        define_model.py.
+    --dt SECONDS: Time between two frames in s, instead of --fps.
+    --frame-timeout SECONDS: The robot stops after this time without a new frame. Default: the time
+        of three frames, but at least 0.1 s, and up to 0.3 s for frames with much jitter.
     --record/--no-record: Record frames and inputs in a session in the folder --out, for replay.
         Default: yes, except for a file.
     --lossless: Record the frames with a lossless codec.

@@ -1,4 +1,4 @@
-"""The commands ``robsim sessions``: complete recorded runs, make a video of one."""
+"""The commands ``robsim sessions``: repair recorded runs, make videos of recorded runs."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ _SAID = {
 def repair(files: list[Path]) -> None:
     """Complete sessions that were cut off, so that all programs open them.
 
-    The torn step at the end is removed, and the index is written. robsim also does that on opening
-    a file unchanged for 10 s. The exit status is 1 if a file stays damaged, 2 if a file is
-    unreadable.
+    The command removes the incomplete step at the end, and writes the index. robsim also repairs a
+    file when it opens a file that has not changed for 10 s. The exit status is 1 if a file stays
+    damaged, 2 if a file is unreadable.
 
     SESSION: Files of sessions.
 
@@ -60,12 +60,12 @@ def repair(files: list[Path]) -> None:
 
 @command(app)
 def video(session: File, to: Path | None = None) -> None:
-    """Make a video of a session, for players, with a frame for each step.
+    """Make a video of a session for video players, with one frame per step.
 
-    A step without a frame shows the last one again.
+    A step without a frame shows the previous frame again.
 
-    --to FILE: Video to write: .mp4 or .webm, or .mkv or .avi without loss. [default: the
-        session's name, with .mp4]
+    --to FILE: Video to write: .mp4, .webm, or lossless .mkv or .avi. [default: the session's name,
+        with .mp4]
 
     Example: robsim sessions video robsim-live/session-1.mcap --to drive.webm
     """

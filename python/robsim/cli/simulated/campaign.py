@@ -30,20 +30,20 @@ def campaign(
 ) -> None:
     """Run a simulation many times, over seeds and options, and compare the means.
 
-    The file describes the runs: --example writes one to edit. The table shows for each number its
-    mean with a confidence interval and the difference to the first case. It also shows the number
-    of further runs that decide whether the difference is real.
+    The file describes the runs: --example writes an example to edit. For each number, the table
+    shows the mean with a confidence interval, and the difference from the first case. It also shows
+    the number of further runs that would decide whether the difference is real.
 
-    With --store, the same command continues the previous one, and a command with more --runs adds
-    rows. Any SQLite program can read the file: its view results has all rows.
+    With --store, the same command continues an interrupted campaign, and a command with more --runs
+    adds rows. Any SQLite program can read the file: the view results has all rows.
 
-    A failed run is a row with its error. The exit status is 1 if all runs failed.
+    A failed run gives a row with the error. The exit status is 1 if all runs failed.
 
     FILE: The campaign, a TOML file.
     --example FILE: Write an example to a file, and stop.
-    --runs N: Number of runs of each case. Default: the file's.
+    --runs N: Number of runs of each case. Default: the number in the file.
     --store FILE: SQLite file that keeps the rows.
-    --by OPTION: Compare the values of this option; may be given twice.
+    --by OPTION: Compare the values of this option. Can be repeated.
     --csv FILE: Write all rows to a CSV file.
     --parquet FILE: Write all rows to a Parquet file.
     --npz FOLDER: Write a file for each case, readable with numpy.

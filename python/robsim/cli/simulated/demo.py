@@ -25,9 +25,10 @@ def demo(
 ) -> None:
     """Drive a robot, track it by camera and estimate its parameters.
 
-    The robot drives around; a noisy camera measures its pose. From these measurements recursive
-    least squares estimates the parameters of its model online, and a batch fit at the end. The
-    output compares both with the true values. Figures and the trace are written to a folder.
+    The robot drives around, and a noisy camera measures its pose. From these measurements,
+    recursive least squares estimates the parameters of its model online, and a batch fit estimates
+    them at the end. The output compares both estimates with the true values. The command writes
+    figures and the trace to a folder.
 
     --out FOLDER: Folder for the figures and the trace.
     --steps N: Number of steps, at least 50.

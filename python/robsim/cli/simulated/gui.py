@@ -41,29 +41,31 @@ def gui(
 ) -> None:
     """Open the panel in the browser.
 
-    With a folder it runs its callbacks, and reloads them after each change. A trace, a session or a
-    video is played back. Without arguments it opens a start page with example runs.
+    With a folder, the panel runs the callbacks of the folder, and reloads them after each change.
+    It plays back a trace, a session or a video. Without arguments, the command opens a start page
+    with example runs.
 
-    With --robots it defines a robot instead. With --train it trains colours. With --calibrate it
-    calibrates a camera's pose above the floor. PATH is then a picture, a folder of pictures, a
-    video, or a simulation of callbacks; by default the robot, or an example.
+    With --robots, --train or --calibrate, the command opens a tool instead. PATH is then a picture,
+    a folder of pictures, a video, or a folder with callbacks to simulate. Without PATH, the tool
+    shows the robot, or an example.
 
-    It ends when you close its last page, or with Ctrl-C. Then it saves the run, and prints its
-    batch estimate; the newest ten runs are kept. Only browsers on this machine can open the page.
+    The command ends when you close the last page, or with Ctrl-C. Then it saves the run, and prints
+    the batch estimate. The newest ten runs are kept. Only browsers on this machine can open the
+    page.
 
-    PATH: Folder with your callbacks, from robsim new; or a trace.npz, the folder of a session, a
+    PATH: Folder with your callbacks (from robsim new), a trace.npz, the folder of a session, or a
         video. For a tool, such as --train, also a picture or a folder of pictures.
-    --robots: Define a robot with the mouse: picture, outline, markers, heading, size. It starts
-        with the robot of --robot, or the default robot.
+    --robots: Define a robot with the mouse: picture, outline, markers, heading, size. The tool
+        starts with the robot of --robot, or with the default robot.
     --train: Train the colours in --colors FILE (by default colors.toml), and write this file.
     --calibrate: Calibrate floor and lens of a camera, and write --calibration FILE (by default
         camera.toml).
-    --calibration FILE: With --calibrate: the previous calibration, and its file.
-    --task NAME: The world of a task, with its goal, for the folder of a solution, with scores at
-        the end; for a trace only the goal. See robsim tasks list.
-    --speed FACTOR: Multiple of real time, such as 1, or max = as fast as possible. Default: 5.
-    --port N: Port of the page on this machine. [default: any that is free]
-    --no-browser: Start no browser, print the address only.
+    --calibration FILE: With --calibrate: file to read the previous calibration from, and to write.
+    --task NAME: Run the folder of a solution in the world of this task, show the goal, and print
+        the scores at the end. For a trace, show only the goal. See robsim tasks list.
+    --speed FACTOR: Multiple of real time, such as 1, or max for the highest speed. Default: 5.
+    --port N: Port of the page on this machine. [default: any free port]
+    --no-browser: Only print the address, and open no browser.
 
     Example: robsim gui mine
     """

@@ -11,10 +11,10 @@ from robsim.cli import errors
 def new(folder: Path) -> None:
     """Write the default callbacks to a folder.
 
-    Each file is a stage of the loop: control.py, measure.py, ... Optional stages are off: set
-    ENABLED = True in their files. Then: robsim gui FOLDER, or robsim run FOLDER
+    Each file is a stage of the loop: control.py, measure.py, ... Optional stages are off: to switch
+    a stage on, set ENABLED = True in its file. Then run robsim gui FOLDER or robsim run FOLDER.
 
-    FOLDER: The folder; created if needed.
+    FOLDER: The folder to write to; created if needed.
 
     Example: robsim new mine
     """

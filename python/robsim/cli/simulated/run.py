@@ -31,12 +31,12 @@ def run(
 ) -> None:
     """Run a simulation.
 
-    Figures and the trace are written to a folder. Without a controller, yours or --control, the
-    robot spins. Ctrl-C ends the run and keeps its results.
+    The command writes figures and the trace to a folder. If neither the folder nor --control gives
+    a controller, the robot spins. Ctrl-C ends the run and keeps the results.
 
     --steps N: Number of steps.
-    --record FILE: Video of the camera's frames, as received by the robot's software: .mkv and .avi
-        for measurements.
+    --record FILE: Video of the camera's frames, as received by the robot's software. For
+        measurements, use .mkv or .avi.
 
     Example: robsim run mine --steps 300 --measure
     """

@@ -15,7 +15,7 @@ def gui(port: int = 0, no_browser: bool = False) -> None:
     Each card opens the panel with a run.
 
     --port N: Port of the page on this machine. [default: any that is free]
-    --no-browser: Start no browser, print the address only.
+    --no-browser: Only print the address, and open no browser.
 
     Example: robsim gui
     """
