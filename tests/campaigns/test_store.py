@@ -291,7 +291,7 @@ def test_a_damaged_trace_is_named(store):
     result = run(store, keep="traces", runs=1)
     with closing(sqlite3.connect(store)) as database, database:
         database.execute("UPDATE traces SET trace = zeroblob(500)")
-    with pytest.raises(ValueError, match=r"store\.sqlite: run 0 of case 1 is not a trace"):
+    with pytest.raises(ValueError, match=r"store\.sqlite: run 0 of case 1 is not a robsim trace"):
         result.trace(1, 0)
 
 

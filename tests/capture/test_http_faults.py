@@ -57,7 +57,7 @@ def opened(server, **options):
         ("302 Found\r\nLocation: file:///etc/hostname", NoCameraError, "file:///etc/hostname"),
         ("302 Found\r\nLocation: ftp://127.0.0.1/a", NoCameraError, "ftp"),
         ("200 OK\r\nContent-Type: text/html", CaptureError, "text/html"),
-        ("200 OK\r\nContent-Type: multipart/x-mixed-replace", CaptureError, "no MJPEG stream"),
+        ("200 OK\r\nContent-Type: multipart/x-mixed-replace", CaptureError, "not an MJPEG stream"),
         (None, NoCameraError, "no valid HTTP answer"),
     ],
 )

@@ -135,7 +135,7 @@ def test_what_is_missing_or_wrong_is_named():
     for named, arguments in {
         "got 3": (*floor, "--marks", "marks.csv"),
         "--area and --scale": ("floor", "x.png"),
-        "--marker-height needs a lens": ("floor", "x.png", *AREA, "--marker-height", "80mm"),
+        "--marker-height needs --calibration": ("floor", "x.png", *AREA, "--marker-height", "80mm"),
         "--calibration": ("floor", "x.png", *AREA, "--calibration", "board.pdf"),
         "picture": floor,
         "--marker-height must": (*floor, "--marker-height", "high"),

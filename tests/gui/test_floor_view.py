@@ -437,7 +437,7 @@ def test_a_picture_of_another_size_is_refused_and_those_taken_stay(tool, browser
     small = np.zeros((480, 640, 3), np.uint8)
     tool.load(small)
     browser.say("take")
-    said = "are 800 x 600; this one is 640 x 480"
+    said = "has 640 x 480 px, but the pictures of the board have 800 x 600 px"
     assert said in browser.take("note", level="error")[0]["text"]
     tool.go_back()
     assert tool.take_board() == 54

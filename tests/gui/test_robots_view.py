@@ -187,11 +187,11 @@ def test_the_markers_are_those_of_the_robot():
 
 def test_a_bare_floor_has_no_robot():
     floor = np.full((90, 120, 3), 128, np.uint8)
-    with pytest.raises(ValueError, match="nothing stands out from the floor"):
+    with pytest.raises(ValueError, match="no object differs from the floor"):
         guess_outline(floor)
     rng = np.random.default_rng(1)
     noisy = np.clip(128 + 12 * rng.standard_normal((90, 120, 3)), 0, 255).astype(np.uint8)
-    with pytest.raises(ValueError, match="nothing stands out from the floor"):
+    with pytest.raises(ValueError, match="no object differs from the floor"):
         guess_outline(noisy)
 
 

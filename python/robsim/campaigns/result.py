@@ -315,7 +315,7 @@ class CampaignResult(Report):
             return cases[check_int("case", case, minimum=0, maximum=len(cases) - 1)]
         if not isinstance(case, Mapping):
             raise TypeError(
-                f"case must be a number or the labels of its options, got {quoted(case)}"
+                f"case must be a case number, or a dict of option to label, got {quoted(case)}"
             )
         fitting = [one for one in cases if all(one.labels.get(name) == case[name] for name in case)]
         if len(fitting) != 1:

@@ -74,7 +74,7 @@ def train(
         for other, value in others.items():
             if value is not None:
                 raise ValueError(
-                    f"--{other} is for a recording, --name for images: remove one of them"
+                    f"--{other} is for a recording, but --name is for images: leave one out"
                 )
         if figure:
             check_figure_name(figure)

@@ -455,7 +455,7 @@ class Experiment(Runner):
         """
         self._stop_robot(None)
         if self._recording is not None and self._recording.has_begun:
-            raise RuntimeError("a session under recording cannot restart: make a new Experiment")
+            raise RuntimeError("the recording of a session cannot restart: make a new Experiment")
         if self._source.is_spent:
             raise RuntimeError(
                 "the frames can be read only once, but a reset reads them again: give a list or a "

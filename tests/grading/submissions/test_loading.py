@@ -201,7 +201,7 @@ def test_a_method_alone_that_is_another_is_work(tmp_path):
     (begun / "estimate_parameters.py").write_text(
         "def estimate_parameters(step):\n    return step.estimator.update(step.sample.phi, 1)\n"
     )
-    assert "the estimator of robsim" in str(failure(begun, rules))
+    assert "own estimator" in str(failure(begun, rules))
 
 
 GIVEN = {"task.py": b"GOAL = 3\n", "table.csv": b"1,2\n"}

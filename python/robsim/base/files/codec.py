@@ -276,7 +276,8 @@ def listed(entry: Table) -> Entry:
     def read(name: str, value: Any) -> list[Any]:
         if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
             raise TypeError(
-                f"{name} must be tables, each below a line [[{name}]], got {in_words(value)}"
+                f"{name} must be a list of tables, each below a line [[{name}]], got "
+                f"{in_words(value)}"
             )
         with within(name):
             return [read_key(str(number), entry, one) for number, one in enumerate(value, 1)]

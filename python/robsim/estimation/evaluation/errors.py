@@ -382,7 +382,7 @@ def as_runs(traces: Trace | Sequence[Trace]) -> list[Trace]:
         raise TypeError(f"traces must be a Trace or a sequence of them, got {quoted(traces)}{hint}")
     units = sorted({trace.info.unit for trace in runs})
     if len(units) > 1:
-        raise ValueError(f"traces must have one unit of length, got {', '.join(units)}")
+        raise ValueError(f"traces must have the same unit of length, got {', '.join(units)}")
     steps = {(int(trace.k[0]) if len(trace) else 0, len(trace)) for trace in runs}
     if len(steps) > 1 or not len(runs[0]):
         lengths = sorted({len(trace) for trace in runs})

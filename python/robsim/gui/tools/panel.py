@@ -86,7 +86,7 @@ class ToolPanel(HostedPanel):
         """
         count = self._view.source.count
         if not count:
-            raise ValueError("k must name a picture of a recording; the panel shows none")
+            raise ValueError("k must be a picture of a recording, but the panel shows no recording")
         k = check_int("k", k, minimum=0, maximum=count - 1)
         self._view.ask(lambda: self._view.look_at(k))
 

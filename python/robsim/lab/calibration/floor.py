@@ -226,7 +226,7 @@ def calibrate_floor_by_corners(
     for number in where:
         if number not in sheets:
             raise ValueError(
-                f"places must name visible sheets, got sheet {number}; visible: "
+                f"places must name visible sheets, got sheet {number}; the visible sheets are "
                 f"{listed(map(str, sheets))}"
             )
     numbers = sorted(sheets, key=lambda number: (number not in where, number))
@@ -273,7 +273,7 @@ def _lens_and_size(lens: Any, size: tuple[int, int] | None) -> tuple[Calibration
     check_kind("lens", lens, Calibration, or_none=True)
     if lens is None:
         if size is None:
-            raise ValueError("size or picture must be given without a lens")
+            raise ValueError("size or picture must be given if lens is omitted")
         lens = Calibration(size=size)
     if size is not None:
         lens.check_frames(size)

@@ -147,7 +147,7 @@ class SimulatedLab(Closing):
         )
         is_seen = ((here >= -0.5) & (here <= np.subtract(self.area, 0.5))).all(axis=1)
         if not is_seen.any():
-            raise ValueError("plane_map must show some of the work area, but shows nothing")
+            raise ValueError("plane_map must show a part of the work area, but shows no part")
         return float(1 / shortest[is_seen].min())
 
     def _new_warp(self, seen: PlaneMap) -> _core.Warp:

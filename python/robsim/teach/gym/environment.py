@@ -233,5 +233,5 @@ def _task(task: str | Task, parameters: dict[str, Any]) -> Task:
         raise TypeError(f"a Task already has its parameters: leave out {', '.join(parameters)}")
     if type(task) not in REWARDS:
         known = ", ".join(name for name, kind in TASKS.items() if kind in REWARDS)
-        raise ValueError(f"task must be for a controller, {known}, got {quoted(task.name)}")
+        raise ValueError(f"task must be a controller's task, {known}, got {quoted(task.name)}")
     return task

@@ -33,7 +33,7 @@ def own_slots(
         raise ValueError(f"nothing is handed in: {listed(f'{n} {r}' for n, r in why.items())}")
     if "robsim.RecursiveLeastSquares" in masked.values() and _STAGE in left and _MAKER not in left:
         raise ValueError(
-            f"{_MAKER} {why.get(_MAKER, 'is missing')}: {_STAGE} would have the estimator of robsim"
+            f"{_MAKER} {why.get(_MAKER, 'is missing')}: {_STAGE} would use robsim's own estimator"
         )
     return left
 

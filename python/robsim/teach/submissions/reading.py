@@ -165,7 +165,9 @@ def _arranged(
     if len(mains) == 1 and _slot_of(mains[0], rules) is None:
         return _of_one_file(name, mains[0], files, rules)
     if len(mains) > 1 and notebooks:
-        raise SubmissionError(f"{name} has {len(mains)} notebooks, {listed(mains)}: hand in one")
+        raise SubmissionError(
+            f"{name} has {len(mains)} notebooks, {listed(mains)}: hand in only one notebook"
+        )
     raise _nothing(name, files, rules)
 
 

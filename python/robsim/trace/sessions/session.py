@@ -119,7 +119,7 @@ class Session:
         is_folder = self.path.is_dir()
         if is_folder and not self._is_in(self.path):
             raise FileNotFoundError(
-                f"{one_line(self.path)} has no session: no file {_folders.SETUP}"
+                f"{one_line(self.path)} has no session: the file {_folders.SETUP} is missing"
             )
         if not is_folder:
             self.path = _file.existing_file(self.path)

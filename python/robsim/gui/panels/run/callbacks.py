@@ -211,7 +211,7 @@ class Callbacks(Part):
         slot = self._known(message)
         if not self._can_make(slot):
             raise Refused(
-                f"{slot} already has your own callback, or your folder may not contain one"
+                f"{slot} already has your own callback, or cannot have a callback in your folder"
             )
         self.panel.check_room()
 

@@ -219,8 +219,8 @@ class FloorView(ToolView):
         expected = self._grid_places(floor, step)
         if len(draft.points) + len(expected) > MOST:
             raise ValueError(
-                f"step must be larger: the grid has {len(expected)} corners in the picture, "
-                f"more than {MOST}"
+                f"step must be larger: the grid has {len(expected)} corners in the picture, but at "
+                f"most {MOST} are allowed"
             )
         found = [
             (corner, place)
