@@ -254,7 +254,7 @@ def test_what_makes_no_sense_is_said_and_nothing_is_graded(hw3):
         "out": ("hw3", "subs", "--out", "subs"),
         "hw3 is a folder": ("hw3", "subs", "--feedback", "hw3"),
         "results": ("hw3", "--regrade"),
-        "has 2": ("hw3", "subs", "--play", "shown"),
+        "of 2 submissions": ("hw3", "subs", "--play", "shown"),
         "run must": ("hw3", "subs/s001", "--play", "shown", "--run", "7"),
     }.items():
         run = command("grade", *arguments)

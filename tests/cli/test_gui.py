@@ -166,7 +166,7 @@ def test_a_mistake_is_told_before_anything_opens(tmp_path):
         "--task": ("--task", "park", "--scenario", "a.toml"),
         "--train": ("--task", "park", "--train"),
         "--robots and --train": ("--robots", "--train"),
-        "--robot is not": ("--calibrate", "--robot", "lab"),
+        "--robot cannot be used with --calibrate": ("--calibrate", "--robot", "lab"),
         "--calibration": ("--calibration", "mine.toml"),
         # Where nothing runs.
         "--seed": ("--train", "--seed", "1"),

@@ -137,7 +137,7 @@ def test_a_large_robot_is_scaled_down():
 def test_a_robot_is_replaced_only_when_asked_whatever_the_case(user_folder):
     add_robot("Mine", "lab")
     assert load_robot("mINE").name == "Mine"
-    with pytest.raises(ValueError, match=r"already.*'Mine': overwrite=True"):
+    with pytest.raises(ValueError, match=r"already.*'Mine': .* overwrite=True"):
         add_robot("mine", "lab", size=60)
     assert load_robot("mine").size == 120
     add_robot("MINE", "Mine", size=60, overwrite=True)

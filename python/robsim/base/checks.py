@@ -64,8 +64,8 @@ def check_heading(name: str, heading: float) -> None:
     """Raise ValueError if a pose's heading is beyond -2 pi..2 pi, as headings in degrees are."""
     if abs(heading) > 2 * math.pi:
         raise ValueError(
-            f"{name} must have a heading in rad within -2 pi..2 pi, got {heading:g}; to convert "
-            f"degrees, use numpy.radians({heading:g}) = {math.radians(heading):.4g} rad"
+            f"{name} must have a heading in rad within -2 pi..2 pi, got {heading:g}; for a "
+            f"heading in degrees, use numpy.radians({heading:g}) = {math.radians(heading):.4g} rad"
         )
 
 

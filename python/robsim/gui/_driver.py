@@ -257,7 +257,7 @@ class Driver(Worker):
         first: bool = False,
     ) -> Future[T]:
         if self._is_elsewhere:
-            raise RuntimeError("this run belongs to the parent process; create a new run")
+            raise RuntimeError("this forked process cannot use its parent's run; create a new run")
         command = _Command(self, function, ends_run, time.monotonic() if ends_call else None)
         if not self.post(command, first=first):
             command.answer.cancel()

@@ -62,7 +62,7 @@ class Ends:
     def __array__(self, *a, **k): raise SystemExit(0)
 return Ends()
 """),
-    returns("a huge result", "returns 200 MiB", says="may have 64 MiB in all, got 190 MiB")(
+    returns("a huge result", "returns 200 MiB", says="at most 64 MiB in all, got 190 MiB")(
         "return np.zeros((5000, 5000))"
     ),
     returns(

@@ -141,7 +141,7 @@ def test_what_changed_is_to_be_calibrated_again(calibration):
     ("solutions", "named"),
     [
         ([SOLUTIONS[0], *SOLUTIONS[2:]], "another"),
-        (SOLUTIONS[1:], "first 'reference'"),
+        (SOLUTIONS[1:], "'reference' first"),
         ([one for one in SOLUTIONS if one.name != "naive"], "'naive'"),
         (MeasureTask().solutions, "estimate_state.*measure"),
         ([SOLUTIONS[0], FAILING, *SOLUTIONS[2:]], "'larger_r'.*no such filter"),

@@ -106,7 +106,7 @@ class Driving(Choice):
         self._check()
         path = _spaced(self._within(points)) if points else np.empty((0, 2))
         if len(path) < 2:
-            raise Refused(f"the path must be at least {_SPACING:g} px long")
+            raise Refused(f"the path is too short: draw at least {_SPACING:g} px")
         self._path = path.tolist()
         return self._go_on_along(self._path)
 
