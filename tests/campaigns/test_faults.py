@@ -231,4 +231,4 @@ def test_processes_that_cannot_begin_are_told(folder):
         check=False,
     )
     assert ended.returncode == 1
-    assert "end at once" in ended.stderr
+    assert "ended at their start" in ended.stderr
