@@ -293,6 +293,27 @@ def test_a_download_of_moodle_is_a_class_as_it_comes(hw3, tmp_path, ran):
     assert not list(tmp_path.rglob("up.py"))
 
 
+def test_no_name_of_a_student_in_moodle_loses_a_submission(hw3, tmp_path, ran):
+    names = (".Ann_1", "__Ben_2", "Team/Cy_3", "Team/Dora_4", '=Emil, "E" _5')
+    files = {f"{name}_assignsubmission_file/{name[-1]}.txt": "x" for name in names}
+    told, warned = graded(hw3, packed(tmp_path / "moodle.zip", files), tmp_path / "out")
+    students = [f"{name.replace('/', ' ')}_assignsubmission_file" for name in names]
+    assert told == {
+        student: f"{name[-1]}.txt" for student, name in zip(students, names, strict=True)
+    }
+    assert f"{students[-1]} in {folder_name(students[-1])}" in warned
+
+
+def test_a_zip_of_moodle_and_its_folders_have_the_same_limits(hw3, tmp_path, ran):
+    files = {f"Ann_1_assignsubmission_file/{name}.txt": name * 900_000 for name in "xy"}
+    path = packed(tmp_path / "moodle.zip", files)
+    told, _ = graded(hw3, path, tmp_path / "out")
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "class")
+    assert told == {"Ann_1_assignsubmission_file": "x.txt, y.txt"}
+    assert graded(hw3, tmp_path / "class", tmp_path / "out")[0] == told
+
+
 def test_attempts_and_files_of_canvas_and_blackboard_are_those_of_a_student(hw3, tmp_path, ran):
     at = "hw3_{}_attempt_2026-11-0{}-10-11-12"
     files = {
@@ -464,6 +485,14 @@ def test_a_group_of_moodle_hands_in_once(hw3, tmp_path):
         ("Participant 4", "Jo-Ann"),
         ("Participant 3", "Jo-Lee"),
     ]
+
+
+def test_equal_files_are_no_group_in_a_class_without_groups(hw3, tmp_path):
+    files = {
+        f"{name}_assignsubmission_file/a.txt": "x" for name in ("Jo-Lee_1", "Jo-Ann_2", "Al_3")
+    }
+    told, _ = graded(hw3, packed(tmp_path / "moodle.zip", files), tmp_path / "out")
+    assert len(told) == 3
 
 
 def test_a_student_is_graded_again_without_the_others(hw3, folders, ran):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import stat
 import struct
 import zipfile
@@ -46,7 +47,7 @@ def read_archive(content: bytes, intake: Intake) -> None:
         raise SubmissionError(f"{intake.whole} has too many files: leave out unused ones")
     with _told(intake.whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
         for entry in archive.infolist():
-            _take(archive, entry, _path_of(entry), intake)
+            _take(archive, entry, _path_of(entry), intake, intake.rules.ratio)
 
 
 class _Bounded(io.BufferedReader):
@@ -150,13 +151,19 @@ def _place_of(entry: zipfile.ZipInfo) -> str:
     return _path_of(entry).replace("\\", "/").removeprefix("./").lstrip("/")
 
 
-def _take(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> None:
+def _take(
+    archive: zipfile.ZipFile,
+    entry: zipfile.ZipInfo,
+    name: str,
+    intake: Intake,
+    ratio: float = math.inf,
+) -> None:
     intake.count_entry()
     if not intake.wants(name):
         return
     _check_kind(entry, intake.whole, name)
     if not (entry.is_dir() or name.endswith(("/", "\\"))):
-        intake.add(name, _content(archive, entry, name, intake))
+        intake.add(name, _content(archive, entry, name, intake, ratio))
 
 
 def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
@@ -174,9 +181,17 @@ def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
     raise refusal_in(whole, name, problem)
 
 
-def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> bytes:
-    """Return the content of a file, within the limits: its size is counted while it is read."""
-    ratio = intake.rules.ratio
+def _content(
+    archive: zipfile.ZipFile,
+    entry: zipfile.ZipInfo,
+    name: str,
+    intake: Intake,
+    ratio: float = math.inf,
+) -> bytes:
+    """Return the content of a file, within the limits: its size is counted while it is read.
+
+    The platform packs the zip of a class: only zips of students have a largest `ratio`.
+    """
     content = bytearray()
     with archive.open(entry) as stream:
         while part := stream.read(_CHUNK):

@@ -109,11 +109,13 @@ def _of_group(group: str, ones: Sequence[Handed], students: Sequence[str]) -> Ha
 def _of_moodle(
     handed: Sequence[Handed], rules: Rules, tell: Callable[[str], None]
 ) -> dict[str, list[str]]:
+    """Return groups by their names; without groups Moodle has students with no "-", too."""
     found: dict[str, list[Handed]] = {}
-    for one in handed:
+    for one in filter(lambda one: OF_MOODLE.fullmatch(one.student), handed):
         group, dash, _ = person(one.student).partition("-")
-        if dash and OF_MOODLE.fullmatch(one.student):
-            found.setdefault(group, []).append(one)
+        if not dash:
+            return {}
+        found.setdefault(group, []).append(one)
     groups = {
         group: [one.student.removeprefix(f"{group}-") for one in ones]
         for group, ones in found.items()

@@ -145,12 +145,13 @@ def submissions_in(
         raise AssignmentError("; ".join(problems))
     folders = [(one.student, folder_name(one.student)) for one in handed]
     if renamed := [f"{student} in {folder}" for student, folder in folders if student != folder]:
-        tell(f"results are in folders of other names: {listed(renamed)}")
+        tell(f"results are in folders of other names: {'; '.join(renamed)}")
     return handed
 
 
 def _is_hidden(name: str) -> bool:
-    return name.startswith((".", "__")) and name != ".."
+    is_student = OF_MOODLE.fullmatch(name) is not None
+    return name.startswith((".", "__")) and name != ".." and not is_student
 
 
 def _class_in(zipped: Path) -> tuple[str, set[str]]:
@@ -165,7 +166,8 @@ def _class_in(zipped: Path) -> tuple[str, set[str]]:
         if not around.endswith("/") or OF_MOODLE.fullmatch(around[:-1]):
             break
         inside += around
-    sent = {_top(path, inside) for path in paths if path.lower().endswith(_SENT)}
+    tops = {_place_of(path, inside) for path in paths}
+    sent = {_place_of(path, inside) for path in paths if path.lower().endswith(_SENT)}
     files = {top for top in sent if not top.endswith("/")}
     is_class = (
         any(OF_MOODLE.fullmatch(top.removesuffix("/")) for top in tops)
@@ -178,6 +180,12 @@ def _class_in(zipped: Path) -> tuple[str, set[str]]:
 
 def _top(path: str, inside: str) -> str:
     return "".join(path[len(inside) :].partition("/")[:2])
+
+
+def _place_of(path: str, inside: str) -> str:
+    """Return the file or folder of a student; Moodle's may be in another folder."""
+    start = max(path.find("_assignsubmission_", len(inside)), len(inside))
+    return path[len(inside) : start] + _top(path, path[:start])
 
 
 def _by_student(
@@ -228,7 +236,7 @@ def _whose(place: str, title: str = "") -> tuple[str, str, str]:
         if match := pattern.fullmatch(full):
             known = match.groupdict(default="")
             file = known["file"] + known.get("ending", "") or place
-            student = _named(known["student"].replace("_LATE_", "_"))
+            student = _named(known["student"].replace("_LATE_", "_").replace("/", " "))
             if title and pattern is OF_BLACKBOARD:
                 student = _named(place.removeprefix(title).partition("_attempt_")[0])
             return student, "" if is_folder else file, known.get("attempt", "")
