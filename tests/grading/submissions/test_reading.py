@@ -102,6 +102,28 @@ def test_what_tools_leave_does_not_count(tmp_path):
     assert [*read_submission(tmp_path / "s002", CONTROL).sources] == ["control.py"]
 
 
+def test_a_report_may_have_any_size(tmp_path):
+    small = Rules(slots=("control",), size=1000, file_size=1000)
+    files = {"control.py": PLAIN, "Report.PDF": "x" * 2000}
+    zipped = packed(tmp_path / "s001.zip", files)
+    folder = write(tmp_path / "s002", control=PLAIN)
+    (folder / "Report.PDF").write_text(files["Report.PDF"])
+    for path in (zipped, folder):
+        assert read_submission(path, small).sources["Report.PDF"] == b""
+    (folder / "Report.PDF").rename(folder / "table.csv")
+    assert "'table.csv' has more than 1000 bytes" in str(refused(folder, small))
+
+
+def test_a_file_without_effect_is_noted(tmp_path):
+    folder = write(tmp_path / "s001", control=PLAIN, task="DT = 0.1\r\n")
+    notebook(folder / "hw1.ipynb", PLAIN)
+    (note,) = read_submission(folder, CONTROL, {"task.py": b"DT = 0.1\n"}).notes
+    assert "hw1.ipynb is not used, because control.py" in note
+    _, note = read_submission(folder, CONTROL, {"task.py": b"DT = 0.2\n"}).notes
+    assert "changes to it do not count" in note
+    assert "task.py" in note
+
+
 def test_a_submission_without_a_slot_is_told(tmp_path):
     for files, words in (
         ({}, "no control.py"),

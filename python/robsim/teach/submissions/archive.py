@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 from robsim.base.files.reading import regular
 from robsim.base.text import quoted
 from robsim.teach.errors import SubmissionError
-from robsim.teach.submissions.folder import Intake, lone_zip_of
+from robsim.teach.submissions.folder import Intake, is_read, lone_zip_of
 from robsim.teach.submissions.names import refusal_in
 from robsim.teach.submissions.rules import Rules
 
@@ -163,7 +163,8 @@ def _take(
         return
     _check_kind(entry, intake.whole, name)
     if not (entry.is_dir() or name.endswith(("/", "\\"))):
-        intake.add(name, _content(archive, entry, name, intake, ratio))
+        content = _content(archive, entry, name, intake, ratio) if is_read(name) else b""
+        intake.add(name, content)
 
 
 def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:

@@ -18,6 +18,14 @@ ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".tgz", ".gz", ".bz2", ".xz")
 FORMS = (".zip", ".py", ".ipynb")  # suffixes of submissions
 
 
+_DOCUMENTS = (".pdf", ".doc", ".docx", ".odt", ".mp4", ".mov")  # for the teacher, of any size
+
+
+def is_read(path: str) -> bool:
+    """Return whether the content of a file counts; else it is taken as empty."""
+    return not path.lower().endswith(_DOCUMENTS)
+
+
 def size_text(size: int) -> str:
     if size >= 2**20:
         return f"{size / 2**20:.3g} MiB"
@@ -160,6 +168,8 @@ def _read(folder: _Folder, prefix: str, intake: Intake) -> None:
             if _kind(status, whole, path) == stat.S_IFDIR:
                 with _opened_folder(*where) as inner:
                     _read(inner, f"{path}/", intake)
+            elif not is_read(path):
+                intake.add(path, b"")
             else:
                 intake.check_size(path, status.st_size)
                 intake.add(path, _content(where, whole, path, intake.most_of(path) + 1))

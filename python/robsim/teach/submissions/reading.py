@@ -21,6 +21,7 @@ from robsim.teach.submissions.files import FILE, FOLDER, NOTEBOOK, SubmissionFil
 from robsim.teach.submissions.folder import (
     FORMS,
     Intake,
+    is_read,
     kind_of,
     lone_zip,
     read_file,
@@ -101,7 +102,9 @@ def _of_class(path: Path, files: Sequence[tuple[str, str]], rules: Rules) -> Con
         intake = read_from_class(path, files, intake)
     else:
         for place, file in files:
-            intake.add(file, _all_of(path / place, one_line(place), intake.most_of(file)))
+            most = intake.most_of(file)
+            content = _all_of(path / place, one_line(place), most) if is_read(file) else b""
+            intake.add(file, content)
     is_one_file = is_one_file and not name.lower().endswith(FORMS[0])
     return Contents(intake.whole, intake.files, is_one_file)
 
@@ -118,7 +121,13 @@ def arranged(contents: Contents, rules: Rules, given: Mapping[str, bytes]) -> Su
             found = _arranged(contents.name, contents.files, rules, copies)
         contents.found[rules, copies] = found
     files = contents.found[rules, copies]
-    return replace(files, sources={**files.sources, **given}) if given else files
+    changed = [
+        name
+        for path, content in contents.files.items()
+        if (name := PurePosixPath(path).name) in given and content.split() != given[name].split()
+    ]
+    notes = [f"{name} comes with the assignment: changes to it do not count" for name in changed]
+    return replace(files, sources={**files.sources, **given}, notes=(*files.notes, *notes))
 
 
 def _opened(path: Path, rules: Rules) -> Contents:
@@ -211,6 +220,8 @@ def _of_folder(name: str, files: dict[str, bytes], rules: Rules) -> SubmissionFi
         for slot, path in of_slots.items()
         if slot not in rules.names
     ]
+    notebooks = [path for path in files if path.endswith(".ipynb") and "/" not in path]
+    notes += [f"{path} is not used, because {slots[0]}.py exists" for path in notebooks]
     return SubmissionFiles(name, FOLDER, "", files, slots, tuple(notes))
 
 
