@@ -277,7 +277,10 @@ def by_moodle(path):
 
 def test_students_get_their_pages_as_moodle_takes_them(tmp_path):
     names = ("Zoë Åström_1042_assignsubmission_file", "Jo Do_77_assignsubmission_file_hw3", "kim")
-    results = tuple(submission(name) for name in names)
+    strange = [
+        f"{name}_assignsubmission_file" for name in ("Bo \u202eX_81", "a_3_82", "?" * 99 + "_83")
+    ]
+    results = tuple(map(submission, [*names, *strange]))
     team = tuple(f"{name}_assignsubmission_file" for name in ("Al Do_5", "Bo Do_6"))
     results += (submission("../a"), replace(submission("team"), members=team))
     for result in results:
@@ -290,7 +293,11 @@ def test_students_get_their_pages_as_moodle_takes_them(tmp_path):
         contents = {name: archive.read(name).decode() for name in archive.namelist()}
     files = ("index.html", "result.txt")
     assert {by_moodle(name) or name for name in contents} == {
-        *((number, file) for number in ("1042", "77", "5", "6") for file in files),
+        *(
+            (number, file)
+            for number in ("1042", "77", "81", "82", "83", "5", "6")
+            for file in files
+        ),
         *(
             f"{name}/{file}"
             for file in files

@@ -119,5 +119,8 @@ def pack_feedback(result: ClassResult, out: str | PathLike[str], path: str | Pat
 def _recipient(student: str) -> str:
     """Return the folder of a student in the zip."""
     match = OF_MOODLE.fullmatch(student)
-    named = f"{match['name']}_{match['number']}_assignsubmission_file_" if match else student
-    return folder_name(named)
+    if match is None:
+        return folder_name(student)
+    end = f"_{match['number']}_assignsubmission_file_"  # Moodle reads the part after the first "_"
+    named = match["name"].replace("_", " ") + end
+    return named if folder_name(named) == named else f"student{end}"
