@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.marking.marking import Mark, mark_of, run_to_show, runs_by_badness
 from robsim.teach.assignments.marking.references import References, numbers_of, seeds_of
-from robsim.teach.errors import SubmissionError
+from robsim.teach.errors import TIMEOUT, SubmissionError
 from robsim.teach.grading.graded_run import graded_run
 from robsim.teach.grading.task import Task as GradedTask
 from robsim.teach.results import FailedRun
@@ -19,8 +19,8 @@ from robsim.teach.texts import clean_text
 from robsim.trace import Trace
 
 OUT_OF_TIME = "not run: out of time"
-NOT_LOADED = "not run: it failed to load in the previous runs"
-_TRIES = 3  # to load a submission
+NOT_BEGUN = "not run: the previous runs failed at their start"
+_TRIES = 3  # to load a submission and to get its first answer
 _LEAST = 0.5  # s, minimum time for a run
 
 
@@ -38,9 +38,11 @@ class Runs:
     isolation: str = ""  # the layers of its sandbox
 
     @property
-    def cannot_be_loaded(self) -> bool:
-        """Whether the submission has never loaded after enough tries."""
-        is_never = not any(self.numbers.values()) and all(run.step is None for run in self.failed)
+    def cannot_begin(self) -> bool:
+        """Whether each try so far ended before the first answer: without loading, or by time."""
+        is_never = not any(self.numbers.values()) and all(
+            run.step is None or (run.step == 0 and run.cause == TIMEOUT) for run in self.failed
+        )
         return is_never and len(self.failed) >= _TRIES
 
 
@@ -78,8 +80,8 @@ def run_task_test(
         if left < _LEAST:
             runs.failed.append(FailedRun(run=run, reason=OUT_OF_TIME))
             continue
-        if runs.cannot_be_loaded:
-            runs.failed.append(FailedRun(run=run, reason=NOT_LOADED))
+        if runs.cannot_begin:
+            runs.failed.append(FailedRun(run=run, reason=NOT_BEGUN))
             continue
         limits = replace(task.limits, run=min(task.limits.run, left))
         _run(assignment, test, replace(task, limits=limits), student, run, references, runs)
