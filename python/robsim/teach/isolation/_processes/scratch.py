@@ -30,11 +30,11 @@ class Base:
         _remove_leftovers()
         while True:
             self.path = tempfile.mkdtemp(prefix=_PREFIX)
-            os.chmod(self.path, 0o711)
             try:
                 self._lock = held(self.path)
             except FileNotFoundError:  # removed as a leftover, before the lock
                 continue
+            os.chmod(self.path, 0o711)
             return
 
     def let_go(self) -> None:
