@@ -510,7 +510,7 @@ def test_a_student_is_graded_again_without_the_others(hw3, folders, ran):
     for wrong in ("shown", "s0002"):
         with pytest.raises(ValueError, match=f"only.*{wrong}|{wrong}.*s002"):
             grade_class(hw3, subs, out, only=wrong)
-    with pytest.warns(UserWarning, match="shown"):
+    with pytest.warns(UserWarning, match="s003"), pytest.warns(UserWarning, match="shown"):
         grade_class(hw3, subs, out, only=["s001", "hidden"])
     assert ran[2:] == [("s001", "hidden")]
 
@@ -560,9 +560,20 @@ def test_one_of_a_class_is_graded_without_a_table(hw3, folders, ran):
     assert ran == [("s003", "shown")]
     assert result.to_json() == result_of(out, "s003").to_json()
     assert json.loads(gradescope.read_text())["score"] == result.points
-    (again,) = grade_class(hw3, subs / "s003", out, only="shown").results
+    with warnings.catch_warnings():  # on the results of others
+        warnings.simplefilter("error")
+        (again,) = grade_class(hw3, subs / "s003", out, only="shown").results
     assert again.to_json() == result.to_json()
     assert (out / "class.csv").read_bytes() == before
+
+
+def test_results_of_students_without_a_submission_are_told(hw3, folders, ran):
+    subs, out = folders
+    shutil.rmtree(subs / "s003")
+    with pytest.warns(UserWarning, match=r"regrade.*s003"):
+        result = grade_class(hw3, subs, out)
+    assert [one.student for one in result.results] == ["s001", "s002"]
+    assert ran == []
 
 
 def test_a_submission_is_opened_once(hw3, folders, tmp_path, monkeypatch):

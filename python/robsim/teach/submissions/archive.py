@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 import stat
 import struct
 import zipfile
@@ -45,9 +44,10 @@ def read_archive(content: bytes, intake: Intake) -> None:
     # Python reads the whole list of contents before it reports any entry.
     if content.count(_ENTRY) > _MOST_PER_FILE * intake.rules.files:
         raise SubmissionError(f"{intake.whole} has too many files: leave out unused ones")
+    intake.ratio = intake.rules.ratio
     with _told(intake.whole), zipfile.ZipFile(io.BytesIO(content)) as archive:
         for entry in archive.infolist():
-            _take(archive, entry, _path_of(entry), intake, intake.rules.ratio)
+            _take(archive, entry, _path_of(entry), intake)
 
 
 class _Bounded(io.BufferedReader):
@@ -151,20 +151,13 @@ def _place_of(entry: zipfile.ZipInfo) -> str:
     return _path_of(entry).replace("\\", "/").removeprefix("./").lstrip("/")
 
 
-def _take(
-    archive: zipfile.ZipFile,
-    entry: zipfile.ZipInfo,
-    name: str,
-    intake: Intake,
-    ratio: float = math.inf,
-) -> None:
+def _take(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> None:
     intake.count_entry()
     if not intake.wants(name):
         return
     _check_kind(entry, intake.whole, name)
     if not (entry.is_dir() or name.endswith(("/", "\\"))):
-        content = _content(archive, entry, name, intake, ratio) if is_read(name) else b""
-        intake.add(name, content)
+        intake.add(name, _content(archive, entry, name, intake) if is_read(name) else b"")
 
 
 def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
@@ -182,17 +175,9 @@ def _check_kind(entry: zipfile.ZipInfo, whole: str, name: str) -> None:
     raise refusal_in(whole, name, problem)
 
 
-def _content(
-    archive: zipfile.ZipFile,
-    entry: zipfile.ZipInfo,
-    name: str,
-    intake: Intake,
-    ratio: float = math.inf,
-) -> bytes:
-    """Return the content of a file, within the limits: its size is counted while it is read.
-
-    The platform packs the zip of a class: only zips of students have a largest `ratio`.
-    """
+def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, intake: Intake) -> bytes:
+    """Return the content of a file, within the limits: its size is counted while it is read."""
+    ratio = intake.ratio
     content = bytearray()
     with archive.open(entry) as stream:
         while part := stream.read(_CHUNK):

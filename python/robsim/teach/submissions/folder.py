@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import stat
 import sys
@@ -39,6 +40,7 @@ class Intake:
         self.files: dict[str, bytes] = {}
         self.whole = whole
         self.rules = rules
+        self.ratio = math.inf  # as in `Rules`, of a zip that a student has packed
         self._paths = Paths(whole)
         self._entries = 0
         self._size = 0

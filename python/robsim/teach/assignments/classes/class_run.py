@@ -35,6 +35,7 @@ from robsim.teach.assignments.marking.references import key_for
 from robsim.teach.assignments.marking.work import Unit
 from robsim.teach.reports.tables import COLUMNS
 from robsim.teach.reports.words import person
+from robsim.teach.reports.writing import folder_name
 from robsim.teach.results import ERROR, SubmissionResult, TestResult
 from robsim.teach.submissions.archive import class_zips
 
@@ -191,7 +192,8 @@ def grade_class(
     -----
     UserWarning
         If the folder has other files than submissions, such as tables. If results are in folders
-        with other names than the students. If groups have no submission.
+        with other names than the students. If groups have no submission. If `out` has results of
+        students without a submission.
 
     Examples
     --------
@@ -218,6 +220,7 @@ def grade_class(
             plan, students = _only(plan, handed, asked)
         _check_apart(folder.folder, handed)
         folder.by_hand = take_table(plan, folder, [one.student for one in handed])
+        _tell_others(folder, handed)
         done = grade_all(Schedule(plan, handed, folder, on_result, students), executor)
     results = sorted(done.results, key=lambda result: result.student)
     if left := [one.student for one in handed if one.student not in {r.student for r in results}]:
@@ -350,6 +353,15 @@ def _check_apart(out: Path, handed: list[Handed]) -> None:
         raise ValueError(
             f"out must be outside the submissions, got {one_line(out)}: robsim would take the "
             "files of the results for a submission"
+        )
+
+
+def _tell_others(folder: ResultFolder, handed: Sequence[Handed]) -> None:
+    own = {folder_name(one.student) for one in handed}
+    if len(handed) > 1 and (others := [name for name in folder.students() if name not in own]):
+        warn_user(
+            f"{one_line(folder.folder)} has results of students without a submission, which "
+            f"--regrade includes: remove the folders of {', '.join(others)}"
         )
 
 
