@@ -44,6 +44,7 @@ def test_a_new_folder_is_an_assignment_with_the_solutions_that_ship(tmp_path, te
         assert (made.folder / f"start/{slot}.py").is_file()
     for name, value in task.values.items():
         assert f"| `{name}` | `{value!r}` |" in sheet
+    assert "A file may have 1 MiB, all files together 5 MiB." in sheet
     assert "robsim tasks" not in sheet  # whose numbers are others
     rule = sheet[sheet.index("The grader takes these parts of a notebook") :].partition("\nA call")[
         0

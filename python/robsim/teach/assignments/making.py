@@ -29,6 +29,7 @@ from robsim.teach.assignments.assignment_file import (
 from robsim.teach.assignments.from_notebook import notebook_files
 from robsim.teach.exercises.shipped import sources
 from robsim.teach.grading.keys import Key
+from robsim.teach.submissions.folder import size_text
 from robsim.teach.submissions.notebook.choosing import COUNTS
 from robsim.teach.tasks.by_name import task
 from robsim.teach.tasks.definition import Task
@@ -58,8 +59,12 @@ def _parts(assignment: Assignment) -> Iterator[str]:
         "these files, not in folders; also data files, which "
         '`open("data.csv")` finds.'
     )
-    yield COUNTS
     limits = assignment.limits
+    yield (
+        f"A file may have {size_text(limits.submission_file_size)}, all files together "
+        f"{size_text(limits.submission_size)}. Reports (.pdf, .docx, .odt) may have any size."
+    )
+    yield COUNTS
     yield (
         f"A call may take {limits.call:g} s, the first call of a run {limits.first_call:g} s: a "
         "run with a longer call has no points."

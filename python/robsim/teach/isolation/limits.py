@@ -50,7 +50,7 @@ class WorkerLimits:
         All submitted files together (bytes), unpacked; of a notebook, with its outputs.
     submission_file_size : int, default: 1 MiB
         Each submitted file (bytes); of a notebook, without its outputs. The scratch folder has
-        these files, regardless of `file_size`.
+        these files, regardless of `file_size`. Reports such as PDF files count as empty.
     """
 
     call: float = 1.0
