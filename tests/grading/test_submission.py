@@ -197,6 +197,20 @@ def test_a_model_with_another_dt_is_the_submissions_fault(tmp_path):
     assert "dt" in str(error)
 
 
+@pytest.mark.parametrize(
+    "patch",
+    [
+        "from robsim.teach.submissions import loading\n"
+        "loading.own_slots = lambda callbacks, *more: {'measure': True}",
+        "from robsim.teach.grading import robot_half\nrobot_half.STAGES = ()",
+    ],
+)
+def test_a_patched_worker_cannot_choose_the_stage_of_robsim(tmp_path, patch):
+    code = f"{patch}\ndef measure(step):\n    return None\n"
+    error = failure(tmp_path, None, slots="measure", measure=code)
+    assert "the submission must fill its slots with its own code" in str(error)
+
+
 def test_the_compiled_file_of_a_masked_module_cannot_be_read(tmp_path):
     pytest.importorskip("robsim.estimation.evaluation.errors")  # now there is one
     code = """

@@ -92,6 +92,9 @@ class Worker(Closing):
             allowed.add("estimate_parameters")
         if foreign := {*ready.filled, *ready.switched_on} - allowed:
             self.refuse(min(foreign), None, "the submission must not fill this slot")
+        # The worker checks this, too, but within reach of the submission.
+        if not setup.rules.defaults and (ready.switched_on or not ready.filled):
+            self.refuse(None, None, "the submission must fill its slots with its own code")
         own, ours = ready.model, setup.model
         is_same = own.dt == ours.dt and np.array_equal(own.theta, ours.theta)
         if "define_model" not in ready.filled and not is_same:
