@@ -137,17 +137,6 @@ def test_a_field_that_hides_a_property_is_told():
     assert str(Fine("good")) == "good"
 
 
-def test_the_example_of_the_documentation_works():
-    example = textwrap.dedent(Report.__doc__.split("::\n", 1)[1])
-    names = {"dataclass": dataclass, "Report": Report, "Quantity": Quantity, "np": np}
-    exec(compile("from __future__ import annotations\n" + example, "example", "exec"), names)
-    report = names["effort"](robsim.Simulation(control=lambda step: (0.5, -1.5)).run(3))
-    assert "1.118 V, largest 1.50 V" in report.line
-
-
-# Numbers.
-
-
 def test_only_all_is_100_percent_and_only_nothing_0():
     for fraction, text in {
         0: "0 %",
