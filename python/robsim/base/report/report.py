@@ -26,8 +26,6 @@ class Report(ABC):
 
     Examples
     --------
-    A custom metric:
-
     >>> from dataclasses import dataclass
     >>> from robsim.estimation import Quantity, Report
     >>> @dataclass(frozen=True, kw_only=True)

@@ -172,12 +172,9 @@ def calibrate_floor_by_sheets(
     >>> sheet = robsim.lab.FloorSheet(number=3, mark=60)
     >>> for x, y, width, height in np.rint(sheet.rectangles).astype(int):
     ...     picture[176 + y : 176 + y + height, 221 + x : 221 + x + width] = 20
-    >>> found = robsim.lab.calibrate_floor_by_sheets(
-    ...     [picture], area=(300, 300), mm_per_px=2, mark=60
-    ... )
-    >>> found.calibration.plane_map.to_world([(320, 240), (420, 240)]).round()
-    array([[150., 150.],
-           [200., 150.]])
+    >>> fit = robsim.lab.calibrate_floor_by_sheets([picture], area=(300, 300), mm_per_px=2, mark=60)
+    >>> fit.calibration.plane_map.to_world((420, 240)).round()
+    array([200., 150.])
     """
     mark = check_float("mark", mark, "mm", minimum=5, maximum=1000)
     check_size("area", area)

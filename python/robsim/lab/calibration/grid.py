@@ -234,11 +234,8 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
     >>> sheet = robsim.lab.FloorSheet(number=3, mark=60)
     >>> for x, y, width, height in np.rint(sheet.rectangles).astype(int):
     ...     picture[176 + y : 176 + y + height, 221 + x : 221 + x + width] = 20
-    >>> found = robsim.lab.calibrate_floor_by_sheets(
-    ...     [picture], area=(300, 300), mm_per_px=2, mark=60
-    ... )
-    >>> moved = np.roll(picture, 5, axis=1)  # 5 px to the right
-    >>> shifts = robsim.lab.sheet_shifts(moved, found.calibration)
+    >>> fit = robsim.lab.calibrate_floor_by_sheets([picture], area=(300, 300), mm_per_px=2, mark=60)
+    >>> shifts = robsim.lab.sheet_shifts(np.roll(picture, 5, axis=1), fit.calibration)
     >>> {number: round(shift, 1) for number, shift in shifts.items()}
     {3: 5.0}
     """

@@ -119,8 +119,8 @@ def calibrate_lens(
     ...     view = camera @ np.column_stack([20 * turn[:, :2], (-90, -60, 300)])
     ...     return cv2.warpPerspective(squares, view, (640, 480), flags=0, borderValue=3 * [255])
     >>> tilts = [(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, -0.5, 0.0), (0.0, 0.5, 0.0)]
-    >>> board = robsim.lab.Chessboard(columns=9, rows=6, square=20)
-    >>> found = robsim.lab.calibrate_lens([picture(*tilt) for tilt in tilts], board)
+    >>> pictures = [picture(*tilt) for tilt in tilts]
+    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard(square=20))
     >>> int(found.calibration.intrinsics.matrix[0, 0].round(-1))
     500
     """

@@ -69,12 +69,10 @@ class BoardPicture:
 
     Examples
     --------
-    A board parallel to the picture:
-
     >>> squares = np.pad(np.indices((7, 10)).sum(axis=0) % 2, 3, constant_values=1)
     >>> picture = np.dstack(3 * [np.kron(squares, np.full((30, 30), 255)).astype(np.uint8)])
     >>> pictures = [np.roll(picture, shift, axis=(0, 1)) for shift in (-40, 0, 40, 80)]
-    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard(columns=9, rows=6))
+    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard())
     >>> [(one.name, one.corners, f"{np.degrees(one.tilt):.0f}") for one in found.pictures[:2]]
     [('1', 54, '0'), ('2', 54, '0')]
     """
@@ -108,12 +106,10 @@ class LensCalibration(Report):
 
     Examples
     --------
-    Too few pictures of a board that is never tilted:
-
     >>> squares = np.pad(np.indices((7, 10)).sum(axis=0) % 2, 3, constant_values=1)
     >>> picture = np.dstack(3 * [np.kron(squares, np.full((30, 30), 255)).astype(np.uint8)])
     >>> pictures = [np.roll(picture, shift, axis=(0, 1)) for shift in (-40, 0, 40, 80)]
-    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard(columns=9, rows=6))
+    >>> found = robsim.lab.calibrate_lens(pictures, robsim.lab.Chessboard())
     >>> [problem.kind for problem in found.problems]
     ['pictures', 'coverage', 'tilt']
     """

@@ -27,8 +27,6 @@ class FloorPanel(ToolPanel):
 
     Examples
     --------
-    Four corners of a floor of tiles, from which the panel finds the others:
-
     >>> with robsim.gui.floor_panel() as tool:
     ...     tool.put([(230, 161), (569, 161), (634, 492), (165, 492)],
     ...              [(300, 300), (2100, 300), (2100, 2100), (300, 2100)])

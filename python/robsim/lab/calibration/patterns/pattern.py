@@ -37,7 +37,7 @@ class Corners:
     --------
     >>> squares = np.pad(np.indices((7, 10)).sum(axis=0) % 2, 1, constant_values=1)
     >>> picture = np.dstack(3 * [np.kron(squares, np.full((40, 40), 255)).astype(np.uint8)])
-    >>> found = robsim.lab.Chessboard(columns=9, rows=6, square=25).find(picture)
+    >>> found = robsim.lab.Chessboard(square=25).find(picture)
     >>> len(found.pixels), np.ptp(found.positions, axis=0), np.ptp(found.pixels, axis=0).round()
     (54, array([200., 125.]), array([320., 200.]))
     """

@@ -77,9 +77,8 @@ class PlayedRun(Report):
     >>> assignment = robsim.teach.new_assignment("park", "hw1", seed=1)
     >>> folder = shutil.copytree("hw1/solutions/park/wrong/naive", "ann")
     >>> played = robsim.teach.play_run(assignment, "ann", "public", run=0)
-    >>> heading = played.numbers["heading"], played.reference_numbers["heading"]
-    >>> print("error of the heading: {:.1f} deg, of the reference {:.1f} deg".format(*heading))
-    error of the heading: 27.9 deg, of the reference 2.4 deg
+    >>> [round(one["heading"], 1) for one in (played.numbers, played.reference_numbers)]  # deg
+    [27.9, 2.4]
     """
 
     test: TaskTest

@@ -109,8 +109,7 @@ def calibrate_task(
     Examples
     --------
     >>> task = robsim.teach.MeasureTask(runs=1, steps=2)
-    >>> names = ("reference", "centroids", "naive")
-    >>> few = [one for one in task.solutions if one.name in names]
+    >>> few = [one for one in task.solutions if one.name in ("reference", "centroids", "naive")]
     >>> found = robsim.teach.calibrate_task(task, few, provisional=True, progress=False)
     >>> {one.name: one.points for one in found.solutions}
     {'reference': 1.0, 'centroids': 1.0, 'naive': 0.0}
