@@ -32,8 +32,17 @@ void bind_error(py::module_& module, const char* name, py::handle base, const ch
 }
 
 void bind_event(py::module_& module) {
-  Class<MotorEvent> event(public_in(module, "robsim.lab"), "MotorEvent",
-                          "A message on a line to a robot, or an action of the robot itself.");
+  Class<MotorEvent> event(public_in(module, "robsim.lab"), "MotorEvent", R"(
+A message on a line to a robot, or an action of the robot itself.
+
+Examples
+--------
+>>> with robsim.lab.MotorReceiver() as robot:
+...     with robsim.lab.UdpMotors("127.0.0.1", robot.port) as motors:
+...         sent_at = motors((0.5, -0.25))
+>>> [(event.kind, event.u.tolist()) for event in motors.events if event.kind != "repeat"][:2]
+[('input', [0.5, -0.25]), ('stop', [0.0, 0.0])]
+)");
   const auto fields = members<MotorEvent>(
       nullptr, by_name, Field("t", &MotorEvent::t, "float: when (s, clock of time.monotonic)."),
       Field("u", &MotorEvent::u, "array (2,): the input (V), 0 for a stop."),
@@ -46,8 +55,19 @@ void bind_event(py::module_& module) {
 }
 
 void bind_counts(py::module_& module) {
-  Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts",
-                           "Numbers of lines that a robot has received.");
+  Class<LineCounts> counts(public_in(module, "robsim.lab"), "LineCounts", R"(
+Numbers of lines that a robot has received.
+
+Examples
+--------
+>>> import socket, time
+>>> with robsim.lab.MotorReceiver() as robot, socket.socket(type=socket.SOCK_DGRAM) as sender:
+...     size = sender.sendto(b"0.5 V" + bytes([10]), ("127.0.0.1", robot.port))
+...     while not robot.counts.damaged:
+...         time.sleep(0.01)
+...     print(robot.counts)
+LineCounts(valid=0, damaged=1, old=0, foreign=0)
+)");
   const auto fields = members<LineCounts>(
       nullptr, by_name, Field("valid", &LineCounts::valid, "int: obeyed lines."),
       Field("damaged", &LineCounts::damaged,

@@ -112,6 +112,15 @@ headings : int
     Number of drawn headings of the robot, at whole pixels; 0 = any heading and position.
 area : tuple of int
     Width and height of the work area (px).
+
+Examples
+--------
+>>> floor = (np.full((80, 100, 3), 150, np.uint8), np.full((80, 100, 3), 120, np.uint8))
+>>> red = np.full((21, 21, 4), (250, 0, 0, 255), np.uint8)
+>>> scene = robsim.simulation.Scene(floor=floor, home=floor, shadow_left=66, shadow_factor=0.8,
+...     sprite=red, centre=(10, 10), unit=1, alignment=0, headings=0, area=(100, 80))
+>>> scene.nbytes  # four images of 100 x 80 px, 3 bytes each
+96000
 )")
       .def(py::init(&make_scene), py::kw_only(), "floor"_a, "home"_a, "shadow_left"_a,
            "shadow_factor"_a, "sprite"_a, "centre"_a, "unit"_a, "alignment"_a, "headings"_a,
@@ -131,6 +140,16 @@ Parameters
 ----------
 scene : Scene
     The scene to draw; other renderers may share it.
+
+Examples
+--------
+>>> floor = (np.full((80, 100, 3), 150, np.uint8), np.full((80, 100, 3), 120, np.uint8))
+>>> red = np.full((21, 21, 4), (250, 0, 0, 255), np.uint8)
+>>> scene = robsim.simulation.Scene(floor=floor, home=floor, shadow_left=66, shadow_factor=0.8,
+...     sprite=red, centre=(10, 10), unit=1, alignment=0, headings=0, area=(100, 80))
+>>> view = robsim.simulation.Renderer(scene).render((70, 40, 0))
+>>> view[40, [20, 60, 80, 99]].tolist()  # floor, robot, robot in the shadow, its floor
+[[150, 150, 150], [250, 0, 0], [200, 0, 0], [120, 120, 120]]
 )")
       .def(py::init([](std::shared_ptr<Scene> scene) { return Renderer(std::move(scene)); }),
            "scene"_a.none(false))

@@ -689,6 +689,15 @@ class Scene:
         Number of drawn headings of the robot, at whole pixels; 0 = any heading and position.
     area : tuple of int
         Width and height of the work area (px).
+    
+    Examples
+    --------
+    >>> floor = (np.full((80, 100, 3), 150, np.uint8), np.full((80, 100, 3), 120, np.uint8))
+    >>> red = np.full((21, 21, 4), (250, 0, 0, 255), np.uint8)
+    >>> scene = robsim.simulation.Scene(floor=floor, home=floor, shadow_left=66, shadow_factor=0.8,
+    ...     sprite=red, centre=(10, 10), unit=1, alignment=0, headings=0, area=(100, 80))
+    >>> scene.nbytes  # four images of 100 x 80 px, 3 bytes each
+    96000
     """
     def __init__(self, *, floor: tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]], home: tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]], shadow_left: int, shadow_factor: float, sprite: numpy.typing.NDArray[numpy.uint8], centre: numpy.typing.ArrayLike, unit: float, alignment: float, headings: int, area: tuple[int, int]) -> None:
         ...
@@ -709,6 +718,16 @@ class Renderer:
     ----------
     scene : Scene
         The scene to draw; other renderers may share it.
+    
+    Examples
+    --------
+    >>> floor = (np.full((80, 100, 3), 150, np.uint8), np.full((80, 100, 3), 120, np.uint8))
+    >>> red = np.full((21, 21, 4), (250, 0, 0, 255), np.uint8)
+    >>> scene = robsim.simulation.Scene(floor=floor, home=floor, shadow_left=66, shadow_factor=0.8,
+    ...     sprite=red, centre=(10, 10), unit=1, alignment=0, headings=0, area=(100, 80))
+    >>> view = robsim.simulation.Renderer(scene).render((70, 40, 0))
+    >>> view[40, [20, 60, 80, 99]].tolist()  # floor, robot, robot in the shadow, its floor
+    [[150, 150, 150], [250, 0, 0], [200, 0, 0], [120, 120, 120]]
     """
     def __init__(self, scene: Scene) -> None:
         ...
@@ -1828,6 +1847,14 @@ class HaltedError(RuntimeError):
 class MotorEvent:
     """
     A message on a line to a robot, or an action of the robot itself.
+    
+    Examples
+    --------
+    >>> with robsim.lab.MotorReceiver() as robot:
+    ...     with robsim.lab.UdpMotors("127.0.0.1", robot.port) as motors:
+    ...         sent_at = motors((0.5, -0.25))
+    >>> [(event.kind, event.u.tolist()) for event in motors.events if event.kind != "repeat"][:2]
+    [('input', [0.5, -0.25]), ('stop', [0.0, 0.0])]
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1861,6 +1888,16 @@ class MotorEvent:
 class LineCounts:
     """
     Numbers of lines that a robot has received.
+    
+    Examples
+    --------
+    >>> import socket, time
+    >>> with robsim.lab.MotorReceiver() as robot, socket.socket(type=socket.SOCK_DGRAM) as sender:
+    ...     size = sender.sendto(b"0.5 V" + bytes([10]), ("127.0.0.1", robot.port))
+    ...     while not robot.counts.damaged:
+    ...         time.sleep(0.01)
+    ...     print(robot.counts)
+    LineCounts(valid=0, damaged=1, old=0, foreign=0)
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
