@@ -450,6 +450,9 @@ def test_no_member_of_a_group_loses_a_mark_to_one_of_the_same_name(hw3, tmp_path
     with pytest.warns(UserWarning, match="Cy"):
         result = grade_class(hw3, tmp_path / "class.zip", tmp_path / "out")
     assert [one.members for one in result.results if one.student == "team"] == [names]
+    (tmp_path / "groups.csv").unlink()
+    with pytest.raises(ValueError, match=f"only.*Ann.*{names[0]}, {names[1]}"):
+        grade_class(hw3, tmp_path / "class.zip", tmp_path / "new", only="Ann")
 
 
 def test_a_member_who_handed_in_nothing_has_a_number_in_moodle_by_its_worksheet(hw3, tmp_path):

@@ -316,7 +316,8 @@ def _only(
             raise ValueError(what + suggestion(name, known))
         if known.count(name) + len(students.get(name, "1")) > 2:
             raise ValueError(
-                f"only: {quoted(name)} is ambiguous: several tests and students have this name"
+                f"only: {quoted(name)} is ambiguous: several tests and students have this name, "
+                f"{listed(sorted(students.get(name, ())))}"
             )
     tests = plan.wanted.intersection(only) or plan.wanted
     chosen = set().union(*(students.get(name, ()) for name in only))
