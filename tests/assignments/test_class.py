@@ -12,12 +12,14 @@ import zipfile
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
+from inspect import getsource
 from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
 
 from clusters import local_cluster
+from robsim.estimation.reference import kalman
 from robsim.teach import (
     AssignmentError,
     ScoreLimit,
@@ -115,6 +117,8 @@ def test_copies_of_solutions_and_of_earlier_years_are_named(hw3, folders):
     moodle = {f"{name}_1_assignsubmission_file/a.py": source for name in ("cy", "zoltan")}
     packed(earlier / "2024.zip", moodle)
     (earlier / "broken.zip").write_bytes(b"no zip")
+    pasted = getsource(kalman).replace("self._", "self.")
+    (subs / "pasted.py").write_text(f"{pasted}\nestimate_state = ExtendedKalmanFilter()\n")
     try:
         grade_class(hw3, subs, out)
         text = (out / "class.html").read_text()
@@ -124,6 +128,7 @@ def test_copies_of_solutions_and_of_earlier_years_are_named(hw3, folders):
     assert "s003, earlier: 2024.zip/cy, earlier: 2024.zip/zoltan, earlier: 2025/anna" in text
     assert "earlier: 2025/anna, earlier: ben" in text
     assert "s001, shipped solution estimate/reference" in text
+    assert "pasted and robsim/estimation.reference" in text
     assert not re.search("anna|zoltan|s003", (out / "class.html").read_text())
     regrade_class(hw3, out)  # which reads no programs
     assert (out / "class.html").read_text() == text

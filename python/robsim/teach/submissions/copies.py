@@ -37,7 +37,7 @@ def copies_refused(masked: Mapping[str, Any]) -> Iterator[None]:
 def _bodies(mask: str, value: Any) -> Iterator[_Body]:
     if not mask.startswith("robsim.") or mask.startswith("robsim.teach."):
         return
-    for code in _codes_of_files(mask) if value is None else codes_of(value):
+    for code in codes_of_files(mask) if value is None else codes_of(value):
         if len(code.co_code) >= _LEAST:
             yield code.co_code, code.co_names
 
@@ -52,7 +52,8 @@ def codes_of(value: Any) -> Iterator[CodeType]:
 
 
 @cache
-def _codes_of_files(mask: str) -> tuple[CodeType, ...]:
+def codes_of_files(mask: str) -> tuple[CodeType, ...]:
+    """Return the codes in the files of a module or package, nested ones, too."""
     with suppress(ImportError, PermissionError):  # in a worker, which has no masked files
         spec = find_spec(mask)
         if spec is not None and spec.origin is not None:
@@ -84,4 +85,4 @@ def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
                 raise ImportError(f"this is a copy of {mask}: write your own code", name=mask)
 
 
-_codes_of_files("robsim.estimation.reference")  # before the worker's sandbox hides the file
+codes_of_files("robsim.estimation.reference")  # before the worker's sandbox hides the file

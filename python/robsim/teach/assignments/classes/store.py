@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
+from pkgutil import resolve_name
+from types import MappingProxyType, ModuleType
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from robsim.teach.reports.gradescope import write_gradescope
 from robsim.teach.reports.similarity import EARLIER_YEAR, Program, program_of
 from robsim.teach.reports.writing import RESULT, folder_name, write_class, write_student
 from robsim.teach.results import ByHand, SubmissionResult, TestResult
+from robsim.teach.submissions.copies import codes_of, codes_of_files
 from robsim.teach.submissions.reading import open_submission
 from robsim.teach.tasks.solutions import MODULE, module_source
 
@@ -137,13 +139,27 @@ def _given(assignment: Assignment) -> Iterator[Program]:
         yield program_of({file.name: file.read_bytes() for file in sorted(start.glob("*.py"))})
 
 
+def _masked_programs(masks: Iterable[str]) -> Iterator[tuple[str, Program]]:
+    """Yield the Python files of masked modules, functions and classes of robsim."""
+    for mask in masks:
+        if mask.startswith("robsim.") and not mask.startswith("robsim.teach."):
+            with suppress(ImportError, AttributeError):
+                value = resolve_name(mask)
+                is_module = isinstance(value, ModuleType)
+                codes = codes_of_files(mask) if is_module else codes_of(value)
+                files = sorted({Path(code.co_filename) for code in codes})
+                sources = {file.name: file.read_bytes() for file in files}
+                yield mask.replace(".", "/", 1), program_of(sources)
+
+
 def other_programs(assignment: Assignment) -> dict[str, Program]:
     """Return possible sources of copies by their names on the page.
 
-    These are the solutions of tasks, and the submissions in ``earlier/``: each entry is a
-    submission or a folder of them. Raise AssignmentError or OSError as `submissions_in`.
+    These are robsim's masked code, the solutions of tasks, and the submissions in ``earlier/``:
+    each entry is a submission or a folder of them. Raise AssignmentError or OSError as
+    `submissions_in`.
     """
-    found: dict[str, Program] = {}
+    found = dict(_masked_programs(assignment.masked))
     for task in {test.task.name: test.task for test in assignment.tests}.values():
         for one in (*task.solutions, *solutions_for(assignment.folder, task)):
             kind = "shipped solution" if one.folder is None else "solution"
