@@ -282,6 +282,25 @@ def test_a_masked_object_is_found_nowhere_in_the_memory(tmp_path, name, use):
     assert "is unavailable in this assignment" in str(error) or "IndexError" in str(error)
 
 
+@pytest.mark.parametrize(
+    ("slot", "mask"),
+    [("measure", "robsim.locate"), ("estimate_parameters", "robsim.RecursiveLeastSquares")],
+)
+def test_the_masked_stage_of_robsim_cannot_be_switched_on(tmp_path, slot, mask):
+    code = f"""
+from robsim.teach.grading import robot_half
+run = robot_half.RobotHalf.run
+def switched_on(self, *args, **options):
+    self._core.set_slot({slot!r}, True)
+    return run(self, *args, **options)
+robot_half.RobotHalf.run = switched_on
+def {slot}(step):
+    return None
+"""
+    error = failure(tmp_path, None, slots=slot, masked=[mask], **{slot: code})
+    assert f"robsim's own {slot} is unavailable in this assignment" in str(error)
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="there zygotes are")
 def test_much_may_be_hidden_where_a_process_may_open_little(tmp_path):
     import resource

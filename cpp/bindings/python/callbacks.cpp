@@ -1,6 +1,8 @@
 #include "python/callbacks.hpp"
 
+#include <atomic>
 #include <functional>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "robsim/simulation/robot/stages.hpp"
@@ -21,6 +23,20 @@ bool is_exactly(const py::object& value) {
 
 bool is_off(const py::object& value) {
   return value.is_none() || (py::isinstance<py::bool_>(value) && !value.cast<bool>());
+}
+
+std::atomic<bool> measurement_is_closed = false, estimator_is_closed = false;
+
+[[noreturn]] void refuse_default(const std::string& slot) {
+  throw std::invalid_argument("robsim's own " + slot + " is unavailable in this assignment");
+}
+
+// The user's own estimator, or robsim's unless it is closed.
+std::optional<AxisMatrix> update_open_estimator(const StepPointer& step) {
+  if (estimator_is_closed && dynamic_cast<const RecursiveEstimator*>(step->estimator.get())) {
+    refuse_default("estimate_parameters");
+  }
+  return update_estimator(step);
 }
 
 bool is_default(const py::object& value) {
@@ -188,6 +204,10 @@ py::object to_python(const std::shared_ptr<ParameterEstimator>& estimator) {
   return py::none();
 }
 
+void close_default(const std::string& slot) {
+  (slot == "measure" ? measurement_is_closed : estimator_is_closed) = true;
+}
+
 SlottedLoop::SlottedLoop(std::shared_ptr<World> world, const RobotOptions& robot_options,
                          IdentifyFrom identify_from)
     : Loop(std::move(world), robot_options, identify_from) {
@@ -205,10 +225,11 @@ void SlottedLoop::set_slot(const std::string& slot, const py::object& value) {
     set_init_parameter_estimator(s, value);
   } else if (slot == "estimate_parameters") {
     set_step_slot(s.estimate_parameters, name, value, step_object,
-                  if_default<std::optional<AxisMatrix>>(value, update_estimator),
+                  if_default<std::optional<AxisMatrix>>(value, update_open_estimator),
                   &RemoteRobot::estimate_parameters, &RemoteWorld::estimate_parameters,
                   optional_parameters);
   } else if (slot == "measure") {
+    if (measurement_is_closed && is_default(value)) refuse_default(slot);
     set_step_slot(s.measure, name, value, step_object,
                   if_default<std::optional<Measurement>>(value, &Step::detect),
                   &RemoteRobot::measure, &RemoteWorld::measure, optional_measurement);

@@ -136,6 +136,9 @@ void collect_garbage(PyHeapTypeObject* heap_type) {
   };
 }
 
+/// Refuses robsim's own stage of a slot in this process from now on: a submission could reach it.
+void close_default(const std::string& slot);
+
 /// The loop with Python values in the slots of its robot half.
 class SlottedLoop : public Loop, public SlotValues {
  public:

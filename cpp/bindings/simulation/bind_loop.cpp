@@ -201,6 +201,8 @@ void bind_loop(py::module_& module) {
   Class<Sights, std::shared_ptr<Sights>>(public_in(module, "robsim._core"), "Sights",
                                          "Frames and detections of a run, for other runs.")
       .def(py::init<>());
+  module.def("close_default", &close_default, "slot"_a,
+             "Refuse robsim's own measurement or parameter estimator from now on.");
   Class<SlottedLoop>(public_in(module, "robsim._core"), "Loop",
                      "The loop. Users take robsim.Simulation or robsim.Experiment.",
                      py::custom_type_setup(&collect_garbage<SlottedLoop>))

@@ -14,8 +14,13 @@ from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any, NoReturn
 
+from robsim import _core
 from robsim.teach.submissions.copies import copies_refused
 from robsim.teach.submissions.rules import Rules
+
+
+#: Slots whose stage of robsim is in the core.
+_STAGES = {"locate": "measure", "RecursiveLeastSquares": "estimate_parameters"}
 
 
 class _Masked(MetaPathFinder):
@@ -88,8 +93,10 @@ def _take(values: Mapping[str, Any], restored: ExitStack) -> None:
 
 
 def _spoil(values: dict[str, Any]) -> None:
-    """Remove the methods of masked classes, and masked functions from all modules."""
+    """Remove the methods of masked classes, masked functions from all modules, and their stages."""
     for mask, value in values.items():
+        if value is not None and (slot := _STAGES.get(mask.rpartition(".")[2])):
+            _core.close_default(slot)
         if isinstance(value, type):
             for name in [name for name, part in vars(value).items() if callable(part)]:
                 setattr(value, name, _Absent(mask))
