@@ -179,7 +179,8 @@ class TrackingStatistics(Report):
                 f"the robot was drawn in {self.drawn_headings} headings, at whole pixels of the "
                 f"frame: this rounding is an rmse of {turn / math.sqrt(12):.2g} deg and 0.4 px of "
                 "the "
-                "frame in each measurement; headings=None draws the robot at its exact pose"
+                "frame in each measurement; headings=None, in a terminal --headings continuous, "
+                "draws the robot at its exact pose"
             )
 
 
