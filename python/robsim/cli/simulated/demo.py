@@ -44,6 +44,7 @@ def demo(
         _print_report(result.report)
     errors.show(result.tracking)
     errors.say(f"written to {out}: {', '.join(file.name for file in result.files)}")
+    errors.say("the installation works")
 
 
 def _run(out: Path, steps: int, seed: int) -> Results:
