@@ -125,6 +125,17 @@ def test_what_ships_is_told_apart_and_explained(tmp_path, name, solution):
         assert report.problems[0].kind == CAUSES[name][solution.name], report.sentences
 
 
+def test_a_controller_with_another_goal_hears_the_goal_of_the_task(tmp_path):
+    source = shipped(ParkTask(), "reference")["control"]
+    other = source.replace(b"from task import GOAL", b"GOAL = (120.0, 480.0, 3.14)")
+    assert other != source
+    files = {**shipped(ParkTask(), "reference"), "control": other}
+    report = check_folder(folder_of(tmp_path, files), task=ParkTask(runs=1))
+    (found,) = (one for one in report.findings if one.kind == "another goal")
+    assert "it stays at (1" in found.sentence
+    assert "The goal of this task is (380, 300): from task import GOAL" in found.sentence
+
+
 @pytest.fixture(scope="module")
 def too_sure(tmp_path_factory):
     """A folder whose filter has too small an R, and a file that the task does not ask for."""

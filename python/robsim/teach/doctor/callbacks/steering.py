@@ -29,6 +29,8 @@ _NEAR = math.radians(45)
 _PARALLEL = math.radians(10)
 _KICK = 0.1  # V
 _COMES_NEAR = 100.0  # px
+_LAST = 200  # steps, in which it must stand still
+_MOVES, _TURNS = 0.5, 1.0  # px per step, degrees per step
 
 _CANNOT_BE_TOLD = "its steering points to no single place, so the check cannot verify its direction"
 
@@ -186,18 +188,31 @@ def _goal_findings(steerings: list[_Steering], usual: Trial) -> Iterator[Problem
     met = _meeting_point(places, np.array(directions))
     if met is not None and met[1] > 0:
         (x, y), poses = met[0], usual.trace.pose_true
-        nearest = np.hypot(poses[:, 0] - x, poses[:, 1] - y).min()
-        if nearest > _COMES_NEAR:
+        distances = np.hypot(poses[:, 0] - x, poses[:, 1] - y)
+        if distances.min() > _COMES_NEAR:
             yield (
                 f"it turns towards ({x:.0f}, {y:.0f}), but in {len(poses)} steps comes no nearer "
-                f"than {nearest:.0f} px"
+                f"than {distances.min():.0f} px"
             )
+        elif distances[-_LAST:].max() < _COMES_NEAR:
+            yield from _unrest(poses[-_LAST:])
         return
     found = _wrong_way(places, directions, None if met is None else met[0])
     if found is None:
         yield _CANNOT_BE_TOLD
     else:
         yield replace(usual.problem(*found), situation=_standing(places[0]))
+
+
+def _unrest(poses: Floats) -> Iterator[str]:
+    moves = float(np.mean(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
+    turns = float(np.degrees(np.mean(abs(wrap_angle(np.diff(poses[:, 2]))))))
+    if moves > _MOVES or turns > _TURNS:
+        yield (
+            f"it does not stand still at its goal: in the last {len(poses)} steps it moves by "
+            f"{moves:.1f} px and turns by {turns:.0f} degrees per step; return (0, 0) where it has "
+            "arrived"
+        )
 
 
 def _wrong_way(

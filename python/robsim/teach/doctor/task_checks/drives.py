@@ -156,6 +156,19 @@ def _lost(drive: _Drive) -> Problem | None:
     return None
 
 
+def _elsewhere(drive: _Drive) -> Problem | None:
+    last = drive.poses[-round(_LAST * len(drive.poses)) :, :2]
+    stays = np.hypot(*(last - last.mean(axis=0)).T).max() < _LOST / 2
+    if drive.goals.ndim > 1 or drive.distances[-1] < _LOST or not stays:
+        return None
+    place, goal = (f"({x:.0f}, {y:.0f})" for x, y in (last[-1], drive.waypoints[0]))
+    return drive.problem(
+        "another goal",
+        f"it stays at {place}, {drive.distances[-1]:.0f} px from the goal. The goal of this task "
+        f"is {goal}: from task import GOAL",
+    )
+
+
 def _stands(drive: _Drive) -> Problem | None:
     if abs(drive.trace.u).max() > _NO_VOLTAGE:
         return None
@@ -252,7 +265,10 @@ def _overshoots(drive: _Drive) -> Problem | None:
     )
 
 
-_LOOKS = (_stands, _lost, _swings, _stops_short, _faces_elsewhere, _skips, _slow, _overshoots)
+_LOOKS = (
+    *(_stands, _lost, _elsewhere, _swings, _stops_short),
+    *(_faces_elsewhere, _skips, _slow, _overshoots),
+)
 
 
 def _waits(drive: _Drive) -> Problem | None:
