@@ -51,6 +51,17 @@ def test_an_untouched_folder_and_none_give_the_same_trace(desk):
         np.testing.assert_array_equal(one[name], other[name])
 
 
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_with_a_goal_tells_the_distance_at_the_end(tmp_path):
+    words = ("run", "--control", "go-to-point:700,600", "--start", "600,600,0", "--goal", "700,600")
+    mm = ("--unit", "mm", "--scale", "2", "--steps", "60", "--seed", "1", "--json")
+    path = json.loads(command(*words, *mm, cwd=tmp_path).stdout)["path"]
+    trace = robsim.Trace.load(tmp_path / "robsim-run/trace.npz")
+    distance = np.hypot(*(trace.pose_true[-1, :2] - (1400, 1200)))
+    assert path["final_distance"] == pytest.approx(distance)
+    assert path["units"]["final_distance"] == "mm"
+
+
 def test_new_quotes_a_folder_with_a_space_and_does_not_overwrite(desk):
     assert "robsim run 'my work'\n" in command("new", "my work", cwd=desk).stdout
     run = command("new", "mine", cwd=desk)
@@ -131,6 +142,8 @@ def test_a_wrong_call_says_what_is_wrong(tmp_path, monkeypatch):
         ("--pixels and --positions", ("track", ".", "--pixels", "1,2 3,4")),
         ("no images", ("track", ".")),
         ("--unit", ("run", "--unit", "inch")),
+        ("--goal must be one point", ("run", "--goal", "900")),
+        ("--goal", ("run", "--goal", "nan,3")),
         ("rounds", ("bench", "--rounds", "0")),
     ]:
         run = command(*arguments)
