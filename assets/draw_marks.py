@@ -106,7 +106,7 @@ def graded(
 @style.applied
 def figure_of(found: Mapping[int, Tests]) -> Figure:
     """Return the figure."""
-    figure = style.NotebookFigure(figsize=(11.0, 7.6))
+    figure = style.NotebookFigure(figsize=(8.6, 7.6))
     (statistics, points), (power, promise) = figure.subplots(2, 2)
     most = found[max(found)]
     _draw_statistics(statistics, most)
@@ -134,9 +134,9 @@ def _draw_statistics(axes: Axes, tests: Tests) -> None:
 def _draw_points(axes: Axes, tests: Tests) -> None:
     for row, one in enumerate(tests.task.solutions):
         _strip(axes, row, 100 * tests.points(one.name), is_right=one.is_right)
-        axes.text(103, row, f"{tests.failing(one.name):.3g} %", va="center", fontsize=7.5)
+        axes.text(103, row, f"{tests.failing(one.name):.3g} %", va="center", fontsize=8.5)
     _name_rows(axes, tests.task)
-    axes.set(xlim=(-3, 118), xlabel="points of a test (%); at the right: tests below 100")
+    axes.set(xlim=(-3, 122), xlabel="points of a test (%); at the right: tests below 100")
     axes.set_xticks(range(0, 101, 20))
     axes.set_title("B  points, all scores together", loc="left")
 
@@ -181,8 +181,9 @@ def _draw_promise(axes: Axes, rate: float) -> None:
     axes.axvline(100 * rate, color=WRONG, linewidth=1)
     axes.set(xlabel="true rate at which a right solution fails (%)", ylabel="density (1 / %)")
     axes.set(xlim=(0, 250 * rate), ylim=(0, None))
-    axes.legend()
-    axes.set_title("D  true rates of calibrations, and what is promised", loc="left")
+    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])  # room for the legend
+    axes.legend(facecolor="white", framealpha=0.9, frameon=True)
+    axes.set_title("D  true rates, and the promised one", loc="left")
 
 
 def table(found: Mapping[int, Tests]) -> str:
