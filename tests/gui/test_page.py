@@ -110,6 +110,21 @@ def test_waiting_ends_some_time_after_the_last_page(page, monkeypatch):
 
 
 @pytest.mark.long
+def test_a_page_that_python_has_cut_off_has_a_minute_to_return(page, monkeypatch):
+    now = [100.0]
+    clock = SimpleNamespace(monotonic=lambda: now[0])
+    monkeypatch.setattr("robsim.gui.hosts.page.time", clock)
+    with greeted(page):
+        (socket,) = page.pages
+        page._loop.call_soon_threadsafe(socket.cut)
+        wait_for(lambda: not page.pages)
+    assert page._left == 160.0
+    greeted(page).line.close()
+    wait_for(lambda: page._left is not None)
+    assert page._left == 100.0
+
+
+@pytest.mark.long
 def test_the_server_ends_while_messages_are_under_way(page):
     with ExitStack() as stack:
         clients = [stack.enter_context(greeted(page)) for _ in range(3)]

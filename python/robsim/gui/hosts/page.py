@@ -20,6 +20,7 @@ from robsim.gui.hosts.ticket import Ticket, stranger
 
 _GOODBYE = 0.5  # s for pages to disconnect when the server ends
 _COMING = 60.0  # s for a page to connect after its address was used
+_STALLED = 60.0  # s more after a browser had stopped to answer
 
 
 class Page:
@@ -35,7 +36,7 @@ class Page:
         self.url = f"http://127.0.0.1:{self.port}/{self.secret}/"
         self.pages: set[Socket] = set()
         self._change = threading.Condition()
-        self._left: float | None = None  # when the last page disconnected
+        self._left: float | None = None  # when the last page disconnected, or a minute later
         self._coming: asyncio.TimerHandle | None = None  # ends the wait for a page
         self._strangers: set[str] = set()  # refused users
         self._saying = threading.Thread()  # the latest message
@@ -64,7 +65,8 @@ class Page:
     def wait(self, patience: float) -> None:
         """Wait until pages have connected, and all have been gone for some seconds.
 
-        A reloaded or reconnecting page returns within this time. Closing ends the wait, too.
+        A reloaded or reconnecting page returns within this time; a page whose browser had stopped
+        to answer has a minute more. Closing ends the wait, too.
         """
         with self._change:
             while self._thread.is_alive() and (
@@ -124,11 +126,11 @@ class Page:
         if self._coming is not None:
             self._coming.cancel()
 
-    def went(self, page: Socket) -> None:
+    def went(self, page: Socket, *, is_stalled: bool) -> None:
         with self._change:
             self.pages.discard(page)
             if not self.pages:
-                self._left = time.monotonic()
+                self._left = time.monotonic() + (_STALLED if is_stalled else 0)
 
     def _run(self, started: Future[None]) -> None:
         try:

@@ -65,7 +65,7 @@ class Host(Protocol):
     def came(self, page: Socket) -> None:
         """Note that a page has connected."""
 
-    def went(self, page: Socket) -> None:
+    def went(self, page: Socket, *, is_stalled: bool) -> None:
         """Note that a page has disconnected."""
 
     def redeem(self, ticket: Ticket, peer: tuple[str, int]) -> bool:
@@ -202,6 +202,8 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._link: PageLink | None = None
         self._view = host.view
         self._stream: tornado.iostream.IOStream | None = None
+        self._protocol: Any = None
+        self._is_cut = False
 
     def prepare(self) -> None:
         super().prepare()
@@ -213,7 +215,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
     def open(self, *_: str, **__: str) -> None:
         assert self.ws_connection is not None
-        self._stream = self.ws_connection.stream
+        self._protocol, self._stream = self.ws_connection, self.ws_connection.stream
         self._server.keep(self._stream)
         self.set_nodelay(True)
         self._link = PageLink(self, asyncio.get_running_loop())
@@ -224,6 +226,7 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
     def cut(self) -> None:
         """Close the link at once, without a message."""
+        self._is_cut = True
         if self._stream is not None:
             self._stream.close()
 
@@ -233,7 +236,9 @@ class Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
     def on_close(self) -> None:
         if self._link is not None:
-            self._host.went(self)
+            protocol = self._protocol
+            timed_out = protocol.server_terminated and not protocol.client_terminated
+            self._host.went(self, is_stalled=self._is_cut or timed_out)
             self._view.disconnect(self._link)
 
 
