@@ -115,12 +115,12 @@ function writeNumbers(g, { width, isBeside, errors, ink }) {
   const put = (word, line, fill, { align = "right", room = whole } = {}) => {
     g.textAlign = align;
     g.fillStyle = ink(fill);
-    g.fillText(word, align == "left" ? 0 : width - 12, TEXT_HEIGHT * line, room); // squeezed
+    g.fillText(word, align == "left" ? 2 : width - 12, TEXT_HEIGHT * line, room); // squeezed
   };
   const first = isBeside ? 2 : 1;
   const count = text("chart.count", { n: errors[0].n });
   put(count, 1, "text", { align: isBeside ? "right" : "left" });
-  const room = whole - (isBeside ? 0 : g.measureText(count).width + 6);
+  const room = whole - (isBeside ? 0 : g.measureText(count).width + 8);
   put(text("chart.moments_key"), first, "quiet", { room });
   errors.forEach(({ of, mean, std }, i) =>
     put(text("chart.moments", { mean: momentText(mean, std), std: momentText(std, std) }),
