@@ -20,7 +20,7 @@ from robsim.gui.hosts.ticket import Ticket, stranger
 
 _GOODBYE = 0.5  # s for pages to disconnect when the server ends
 _COMING = 60.0  # s for a page to connect after its address was used
-_STALLED = 60.0  # s more after a browser had stopped to answer
+_STALLED = 60.0  # s more after a hang
 
 
 class Page:
