@@ -483,15 +483,20 @@ def test_a_member_who_handed_in_nothing_has_a_number_in_moodle_by_its_worksheet(
 
 def test_a_group_of_moodle_hands_in_once(hw3, tmp_path):
     names = {"G 3-Anna_1": "a", "G 3-Ben_2": "a", "Jo-Lee_3": "b", "Jo-Ann_4": "c"}
+    names |= {"T-1-Cy_5": "d", "T-1-Di-Ann_6": "d", "T-2-Ed_7": "e", "T-2-Fay_8": "e"}
     files = {f"{name}_assignsubmission_file/{file}.txt": "x" for name, file in names.items()}
     path = packed(tmp_path / "moodle.zip", files)
-    with pytest.warns(UserWarning, match="G 3"):
+    with pytest.warns(UserWarning, match="same files: G 3, T-1, T-2$"):
         grade_class(hw3, path, tmp_path / "out", columns="moodle")
     assert columns_of(tmp_path / "out/class.csv", "Identifier", "Full name") == [
         ("Participant 1", "Anna"),
         ("Participant 2", "Ben"),
         ("Participant 4", "Jo-Ann"),
         ("Participant 3", "Jo-Lee"),
+        ("Participant 5", "Cy"),
+        ("Participant 6", "Di-Ann"),
+        ("Participant 7", "Ed"),
+        ("Participant 8", "Fay"),
     ]
 
 

@@ -70,7 +70,7 @@ one.sendall(struct.pack('<HHI', 4, 0, len(data)) + data)
     speech(
         "a message for the worker",
         "sends HELLO, STEP and END to the grader",
-        says="unknown message|of a kind|more than one",
+        says="unknown message|unknown kind|more than one",
     )("for kind in (1, 3, 5): one.sendall(struct.pack('<HHI', kind, 0, 0))"),
     speech(
         "READY once more",

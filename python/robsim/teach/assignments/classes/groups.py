@@ -74,7 +74,11 @@ def in_groups(
     folder of each member, ``GROUP-NAME_...``. Without a table, equal copies are a group.
     """
     groups = _of_moodle(handed, rules, tell) if table is None else table
-    where = {_key(one): group for group, ones in groups.items() for one in (*ones, group)}
+    where = {
+        _key(name): group
+        for group, ones in groups.items()
+        for name in (*ones, *(f"{group}-{one}" for one in ones), group)
+    }
     found: dict[str, list[Handed]] = {}
     alone: list[Handed] = []
     for one in handed:
@@ -110,19 +114,30 @@ def _of_moodle(
     handed: Sequence[Handed], rules: Rules, tell: Callable[[str], None]
 ) -> dict[str, list[str]]:
     """Return groups by their names; without groups Moodle has students with no "-", too."""
-    found: dict[str, list[Handed]] = {}
-    for one in filter(lambda one: OF_MOODLE.fullmatch(one.student), handed):
-        group, dash, _ = person(one.student).partition("-")
-        if not dash:
-            return {}
-        found.setdefault(group, []).append(one)
+    named = [one for one in handed if OF_MOODLE.fullmatch(one.student)]
+    if not all("-" in person(one.student) for one in named):
+        return {}
     groups = {
         group: [one.student.removeprefix(f"{group}-") for one in ones]
-        for group, ones in found.items()
-        if len(ones) > 1 and _are_same(ones, rules)
+        for group, ones in _by_files(named, rules, 1).items()
     }
     if groups:
         tell(f"graded as groups, because their members have the same files: {listed(groups)}")
+    return groups
+
+
+def _by_files(handed: Sequence[Handed], rules: Rules, dashes: int) -> dict[str, list[Handed]]:
+    """Return groups with the same files; the name of a group may have a "-", as in Team-1."""
+    found: dict[str, list[Handed]] = {}
+    for one in handed:
+        *group, _ = person(one.student).split("-")
+        if len(group) >= dashes:
+            found.setdefault("-".join(group[:dashes]), []).append(one)
+    groups = {}
+    for group, ones in found.items():
+        if len(ones) > 1:
+            same = _are_same(ones, rules)
+            groups |= {group: ones} if same else _by_files(ones, rules, dashes + 1)
     return groups
 
 
