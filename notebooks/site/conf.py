@@ -51,7 +51,7 @@ numpydoc_show_class_members = False  # the class template lists them
 
 html_theme = "pydata_sphinx_theme"
 html_title = "robsim"
-html_context = {"default_mode": "auto"}  # without it, a warning in the console
+html_context = {"default_mode": "auto"}  # else the console has a warning
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_math_renderer = "mathml"
