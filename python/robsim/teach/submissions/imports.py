@@ -18,7 +18,6 @@ from robsim import _core
 from robsim.teach.submissions.copies import copies_refused
 from robsim.teach.submissions.rules import Rules
 
-
 #: Slots whose stage of robsim is in the core.
 _STAGES = {"locate": "measure", "RecursiveLeastSquares": "estimate_parameters"}
 
