@@ -10,7 +10,7 @@ from robsim.cli import errors
 def notebooks(folder: Path, solutions: bool = False) -> None:
     r"""Copy the notebooks for students into a folder.
 
-    The notebooks need Jupyter: pip install notebook 'robsim\[notebook]'. Then run jupyter notebook
+    The notebooks need Jupyter: pip install jupyterlab 'robsim\[notebook]'. Then run jupyter lab
     FOLDER.
 
     FOLDER: The folder to copy to; created if needed.
