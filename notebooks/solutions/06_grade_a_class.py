@@ -17,7 +17,7 @@ def clipped(share):
 
 @exercise(
     cases=ratio_and_limits,
-    hint="How many logarithms lie between both limits, and how many between the ratio and `zero`?",
+    hint="How many logarithms lie between the limits, and how many between the ratio and `zero`?",
     mistakes={
         "This is linear in the ratio itself: take logarithms.": (
             lambda ratio, full, zero: clipped((zero - ratio) / (zero - full))

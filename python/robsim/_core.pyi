@@ -2911,11 +2911,11 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Search the blobs for the markers of a robot; report the misfit, or the reason for a missing pair.
     
-    The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
-    the border of the frame are not used, because they may be cut off. Noise and other objects may cause
-    many blobs that resemble the markers. A pair is then accepted only if hardly any pair of the other
-    blobs would fit as well by chance [1]_: if the floor shows only noise, a pose is reported in at most
-    one or two of 100 frames.
+    The pair has a blob of each of the two colours, and is chosen based on the blobs' distance and
+    areas. Blobs at the border of the frame are not used, because they may be cut off. Noise and other
+    objects may cause many blobs that resemble the markers. A pair is then accepted only if hardly any
+    pair of the other blobs would fit as well by chance [1]_: if the floor shows only noise, a pose is
+    reported in at most one or two of 100 frames.
     
     Parameters
     ----------
@@ -3075,11 +3075,11 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     """
     Return the pose of the robot whose markers are among the blobs.
     
-    The pair has a blob of each of the two colours, and is chosen by its distance and areas. Blobs at
-    the border of the frame are not used, because they may be cut off. With the image, the pose is then
-    fitted to the pixels around the edges of the markers, by weighted least squares [1]_. The error is
-    then half to two thirds of the centroids' error with noise, and a fifth without noise. For markers
-    with unknown outlines, pixels at the edge are weighted by their colour.
+    The pair has a blob of each of the two colours, and is chosen based on the blobs' distance and
+    areas. Blobs at the border of the frame are not used, because they may be cut off. With the image,
+    the pose is then fitted to the pixels around the edges of the markers, by weighted least squares
+    [1]_. The error is then half to two thirds of the centroids' error with noise, and a fifth without
+    noise. For markers with unknown outlines, pixels at the edge are weighted by their colour.
     
     Parameters
     ----------
@@ -3102,8 +3102,8 @@ def locate(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     -------
     Measurement or None
         The pose; with the image, also its covariance, misfit and signal-to-noise ratio. None = not
-        detected: no pair fits, two pairs fit equally well, or the markers are not distinct from the
-        noise. `robsim.vision.detect` gives the reason.
+        detected: no pair fits, two pairs fit equally well, or the markers are not distinguishable from
+        the noise. `robsim.vision.detect` gives the reason.
     
     References
     ----------

@@ -123,7 +123,8 @@ class Store:
             self.spec = self.spec._with_seed(seed)
         if (other := difference(notes["description"], description_of(self.spec))) is not None:
             raise ValueError(
-                f"this file has another campaign: {other}; use another file, or remove this file"
+                f"this file contains another campaign: {other}; use another file, or remove this "
+                "file"
             )
         now, then = surroundings(), notes["surroundings"]
         if changed := [name for name in now if now[name] != then.get(name)]:
@@ -312,8 +313,8 @@ def _check_is_store(database: sqlite3.Connection) -> None:
     """Raise ValueError for a file of another program, or of another version."""
     if not _is_store(database):
         raise ValueError(
-            "this is not the store of a campaign, or it has tables, indexes, views or triggers of "
-            "another program: use another file"
+            "this is not the store of a campaign, or it contains tables, indexes, views or "
+            "triggers of another program: use another file"
         )
     number = _notes(database)["format"]
     if number != _FORMAT:

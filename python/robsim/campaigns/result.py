@@ -340,7 +340,7 @@ class CampaignResult(Report):
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the rows as CSV; unknown values stay empty.
 
-        A text that a spreadsheet would interpret as a formula gets a leading '.
+        A text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
 
         Parameters
         ----------

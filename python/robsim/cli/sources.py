@@ -53,7 +53,8 @@ def opened(
     """
     if camera is None:
         raise ValueError(
-            f"--camera is missing: give {_CAMERAS} for a rehearsal; robsim cameras lists cameras"
+            f"--camera is missing: give {_CAMERAS} for a rehearsal; `robsim cameras` lists all "
+            "cameras"
         )
     check_motors(camera, motors)
     with ExitStack() as stack:

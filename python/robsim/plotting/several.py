@@ -93,7 +93,7 @@ def plot_runs(
 def _checked(runs: Any) -> dict[str, Trace]:
     if not isinstance(runs, Mapping) or not 0 < len(runs) <= len(_COLORS):
         raise TypeError(
-            f"runs must be a dict of 1 to {len(_COLORS)} names to Trace, such as "
+            f"runs must be a dict of name to Trace, with 1 to {len(_COLORS)} runs, such as "
             f"{{'mine': sim.trace}}, got {quoted(runs)}"
         )
     for name, trace in runs.items():

@@ -292,7 +292,8 @@ class Experiment(Runner):
         -----
         UserWarning
             If the frames end before `steps` steps are done, or are empty. If the first frame has no
-            plane map and not the size of the area, or if frames seem to be in OpenCV's order, BGR.
+            plane map and its size differs from the area's, or if frames seem to be in OpenCV's
+            order, BGR.
             If results of callbacks are implausible, as in `Simulation.run`.
         robsim.vision.SmallMarkersWarning
             If the default measurement evaluates markers that are too small for the noise in the

@@ -132,8 +132,8 @@ class TestResult:
         Whether students have it, too. Students see only the points and the `sentence` of hidden
         tests.
     points, most : float
-        Its points, rounded to hundredths, and its maximum points. Rounding never yields full points
-        or 0.
+        Its points, rounded to hundredths, and the maximum possible. Rounding never yields full
+        points or 0.
     provisional : str
         The reason why the limits of its points are provisional; "" = exact limits.
     status : str

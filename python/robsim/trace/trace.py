@@ -179,7 +179,7 @@ class Trace:
 
     @property
     def is_tracked(self) -> bool:
-        """Whether the run measured the pose, even if the robot was never seen."""
+        """Whether pose measurement was part of the run; True even if the robot was never seen."""
         return "pose_measured" in self._groups
 
     def require(self, *names: str) -> None:
@@ -395,7 +395,8 @@ class Trace:
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the single columns as CSV, one step a line; missing columns stay empty.
 
-        A colour name that a spreadsheet would interpret as a formula gets a leading '.
+        A colour name that a spreadsheet would interpret as a formula is prefixed with an
+        apostrophe.
 
         Parameters
         ----------

@@ -129,8 +129,8 @@ MessageSocket::Head MessageSocket::head() const {
     throw WrongMessage("a message of an unknown kind");
   }
   if (limits_ && head.length > limits_->at(head.kind)) {
-    throw WrongMessage("a message of " + std::to_string(head.length) + " bytes, more than " +
-                       std::to_string(limits_->at(head.kind)));
+    throw WrongMessage("a message of " + std::to_string(head.length) +
+                       " bytes exceeds the limit of " + std::to_string(limits_->at(head.kind)));
   }
   return head;
 }

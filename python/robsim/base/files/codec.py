@@ -352,5 +352,5 @@ def check_format(table: Mapping[str, Any], expected: int) -> None:
     if type(given) is not int or given != expected:
         raise WrongTable(
             f"format must be {expected}, got {in_words(given)}: this is another kind of file, or "
-            "another version of robsim wrote it"
+            "was written by another version of robsim"
         )

@@ -228,7 +228,7 @@ def _write_new(file: Path, content: bytes) -> None:
 def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
     """Write columns by name; None and NaN stay empty, and an OSError leaves an old file unchanged.
 
-    A text that a spreadsheet would take for a formula gets a ' at its start.
+    A text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
     """
     with open_whole(path) as stream:
         file = io.TextIOWrapper(stream, encoding="utf-8", newline="")

@@ -339,7 +339,7 @@ def unseen_calls(steps: int) -> dict[str, Call]:
     )
     trace = simulation.run(steps)
     if not np.allclose(_numpy_path(trace.u[:100]), trace.pose_true[:100], atol=1e-6):
-        raise RuntimeError("the paths of robsim and numpy must be the same")
+        raise RuntimeError("the path of the robot must be the same in robsim and numpy")
     return {"ours": _again(simulation, steps), "numpy": lambda: _numpy_path(trace.u)}
 
 

@@ -403,7 +403,7 @@ def _inverse(information: Floats) -> Floats:
     if not ((variances >= 0) & (variances < _FARTHEST**2)).all():
         raise ValueError(
             "robot must have markers that determine its position and heading, but the edges in "
-            "the frame, such as one straight edge, fit several poses or are lost in the noise"
+            "the frame fit several poses, as a single straight edge does, or are lost in the noise"
         )
     return np.asarray(covariance, np.float64)
 

@@ -148,10 +148,11 @@ class ConsistencyReport(Report):
     The trials of this filter had four levels of process noise and 100 to 500 steps. Over 20 runs,
     the NEES test rejected 1 of 1200 correctly tuned filters. It rejected 4799 of 4800 filters whose
     Q or R was too large or too small by a factor of 4. In single runs, it rejected 3 of 4800
-    correctly tuned filters. It rejected 42 to 75 % of filters with Q too small by 4, and 63 to 100
-    % with R too small. It rejected no filter with a Q or R too large: errors smaller than reported
-    lie in the wide band of a single run. The NIS test of single runs rejected each wrong R. It
-    rejected 8 to 100 % of the wrong Q, and more of them if Q is larger relative to R.
+    correctly tuned filters. With Q too small by a factor of 4, it rejected 42 to 75 % of the
+    filters; with R too small, 63 to 100 %. It rejected no filter with a Q or R too large: errors
+    smaller than reported lie in the wide band of a single run. The NIS test of single runs rejected
+    each wrong R. It rejected 8 to 100 % of the filters with a wrong Q, and more when Q is larger
+    relative to R.
 
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation,
     5.4, 2001.

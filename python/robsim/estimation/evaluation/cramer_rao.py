@@ -107,8 +107,8 @@ def parameter_bounds(trace: Trace, *, sigma: ArrayLike) -> Floats:
 
     Notes
     -----
-    For measurement noise the result is not a bound: with the sigma of one-step prediction errors it
-    is the smallest possible error of least squares. Output error may be 100 times as exact.
+    For measurement noise, this is no bound: given the sigma of one-step prediction errors, it is
+    only the smallest error that least squares can reach. Output error may be 100 times as exact.
 
     Examples
     --------

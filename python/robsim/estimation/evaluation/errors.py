@@ -350,7 +350,7 @@ def pose_errors(traces: Trace | Sequence[Trace], *, of: str = "estimate") -> Err
     array([0.063, 0.062, 0.003])
     """
     if of not in ("estimate", "measurement"):
-        raise ValueError(f"of must be 'estimate' or 'measurement', got {quoted(of)}")
+        raise ValueError(f"`of` must be 'estimate' or 'measurement', got {quoted(of)}")
     runs = as_runs(traces)
     poses = np.array([trace.poses_from(of) for trace in runs])
     truth = np.array([trace.pose_true for trace in runs])

@@ -47,8 +47,8 @@ def open_in_editor(file: Path, line: int) -> subprocess.Popen[bytes] | None:
         return None
     if command is None:
         raise Refused(
-            "no editor with a window was found: set VISUAL, for example to code or gedit, "
-            f"before you start Python, or open {file} yourself"
+            "no editor with a window was found: set the variable VISUAL, for example to "
+            f"'code' or 'gedit', before you start Python, or open {file} yourself"
         )
     _started[:] = [editor for editor in _started if editor.poll() is None]
     try:

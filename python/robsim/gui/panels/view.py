@@ -249,6 +249,6 @@ def _runner_and_record(shown: Shown) -> tuple[Simulation | Experiment | Playback
         record = SavedRecord(shown)
         return Playback(record), record
     raise TypeError(
-        "what must be a Simulation, an Experiment, a Recording, a Trace or a Session, got "
+        "`what` must be a Simulation, an Experiment, a Recording, a Trace or a Session, got "
         f"{quoted(shown)}"
     )

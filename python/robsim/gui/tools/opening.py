@@ -243,6 +243,6 @@ def pictures_of(what: Any, robot: RobotDefinition) -> Pictures:
             return RecordedPictures(Recording(path))
         return OnePicture(images.load_image(path), path.name)
     raise TypeError(
-        "what must be a Camera, a Recording, a Simulation, an Experiment, a Frame, an array or a "
+        "`what` must be a Camera, a Recording, a Simulation, an Experiment, a Frame, an array or a "
         f"path, got {quoted(what)}"
     )

@@ -107,7 +107,7 @@ def calibrate_floor(
     if image is not None:
         found = frame_size(image)
         if size is not None and check_size("size", size) != found:
-            raise ValueError(f"size must be {found}, as for picture, got {quoted(size)}")
+            raise ValueError(f"size must be {found}, the size of picture, got {quoted(size)}")
         size = found
     lens, size = _lens_and_size(lens, size)
     height = check_float("marker_height", marker_height, "mm", minimum=0)
@@ -289,7 +289,9 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
         raise ValueError(f"positions and pixels differ in length: {len(places)} and {len(seen)}")
     called = [str(n + 1) for n in range(len(seen))] if names is None else list(names)
     if len(called) != len(seen):
-        raise ValueError(f"names must have the length of pixels, got {len(called)} and {len(seen)}")
+        raise ValueError(
+            f"names must have the same length as pixels, got {len(called)} and {len(seen)}"
+        )
     groups = {name: [i for i, one in enumerate(called) if one == name] for name in called}
     if len(groups) < _FEWEST:
         raise ValueError(f"pixels must have at least {_FEWEST} marks, got {len(groups)}")

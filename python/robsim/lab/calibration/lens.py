@@ -183,7 +183,7 @@ def _views(
     views, missing = [], {}
     for number, image in enumerate(images_of(pictures, names)):
         if names is not None and number >= len(names):
-            raise ValueError(f"names needs one name per picture, got {len(names)}")
+            raise ValueError(f"names must have one name per picture, got {len(names)}")
         name = str(number + 1) if names is None else names[number]
         size = frame_size(image)
         corners = board.find(image)

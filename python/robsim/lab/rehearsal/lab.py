@@ -48,7 +48,7 @@ class SimulatedLab(Closing):
     plane_map : PlaneMap, optional
         The camera's view: the map of its frames, before the distortion by `lens`, to the work area,
         such as from `PlaneMap.from_points`. A map with intrinsics includes the distortion of a
-        lens. Pixels outside of the work area are grey. Default: the whole area, seen from above.
+        lens. Pixels outside the work area are grey. Default: the whole area, seen from above.
     robot_height : float
         Height of the robot's top, with its markers, above the floor (work-area px). A height above
         0 requires a `plane_map` with intrinsics. The camera sees only the robot's top, not its

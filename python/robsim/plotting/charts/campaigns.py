@@ -76,7 +76,7 @@ def plot_campaign(
         check_choice("over", over, tuple(result.spec.vary))
         if result[over].dtype.kind not in "iuf":
             raise ValueError(
-                f"over must be an option with numbers as labels, got {quoted(over)} with the "
+                f"`over` must be an option with numbers as labels, got {quoted(over)} with the "
                 f"labels {listed(map(str, result.spec.vary[over]))}; to give labels, use a dict in "
                 "vary, such as {10: robsim.GaussianNoise(10), 20: ...}"
             )

@@ -103,6 +103,6 @@ def _check_class(slot: Slot[Any], kind: type) -> None:
     signature = signature_of(kind)
     is_plain = signature is not None and accepts(kind, 0)
     raise TypeError(
-        f"{slot.name} must be callable, but {kind.__name__} is a class: pass an object of it, "
+        f"{slot.name} must be callable, but {kind.__name__} is a class: pass an instance, "
         f"such as {kind.__name__}({'' if is_plain else '...'}){place_of(kind)}"
     )

@@ -43,8 +43,8 @@ def run_checks(make: Make, slot: Slot, budget: float, checks: Checks) -> CheckRe
         make = _from_file(Path(make), slot)
     if not callable(make) or isinstance(make, SlotHandle):
         raise TypeError(
-            f"make must be callable and return a new {slot.noun}, such as a class or lambda: "
-            f"My{slot.noun.capitalize()}(...), got {quoted(make)}"
+            "make must be a callable, such as a class or lambda: "
+            f"My{slot.noun.capitalize()}(...), that returns a new {slot.noun}, got {quoted(make)}"
         )
     estimator = EstimatorUnderTest(
         make, slot, check_float("budget", budget, "s", exclusive_minimum=0)

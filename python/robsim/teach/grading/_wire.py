@@ -117,7 +117,9 @@ class Channel:
         if kind is None or zero or (self._limits is not None and kind not in self._limits):
             raise WireError("an unknown message type")
         if self._limits is not None and length > self._limits[kind]:
-            raise WireError(f"a message of {length} bytes, more than {self._limits[kind]}")
+            raise WireError(
+                f"a message of {length} bytes exceeds the limit of {self._limits[kind]}"
+            )
         return kind, length
 
     def _read(self, have: bytearray, deadline: float | None) -> None:

@@ -72,7 +72,7 @@ def wanted(shape: Any, finite: bool) -> Wanted:
             raise TypeError(f"shape must be a tuple, or a list of tuples, got {quoted(shape)}")
         for axis in one:
             if axis is not None and not (isinstance(axis, (int, np.integer)) and axis >= 0):
-                raise ValueError(f"shape must have only lengths and None, got {quoted(axis)}")
+                raise ValueError(f"shape must contain only lengths and None, got {quoted(axis)}")
     return Wanted(list(shapes), finite)
 
 

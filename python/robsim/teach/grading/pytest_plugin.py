@@ -41,8 +41,8 @@ class Grading:
         options = config.known_args_namespace
         if _OPTION in config.invocation_params.args:
             raise pytest.UsageError(
-                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': after a blank, "
-                "pytest takes the path for tests as well, and uses a pytest.ini in the path"
+                f"write {_OPTION}={one_line(options.robsim_submission)}, with '=': after a space, "
+                "pytest also treats the path as a path of tests, and uses a pytest.ini in it"
             )
         self._path = Path(os.path.abspath(options.robsim_submission))
         if not os.path.lexists(self._path):

@@ -270,7 +270,7 @@ class Submission:
         ------
         SubmissionError
             If the function is missing, fails, takes too long, ends its process, or returns an
-            invalid result. The error has the function and the line.
+            invalid result. The error names the function and the line.
         GraderError
             If no process can be started.
         TypeError, ValueError
@@ -404,7 +404,7 @@ class Submission:
     def _task_with(self, callbacks: Mapping[str, Any], scenario: Scenario) -> Task:
         slots = self._task.rules.slots
         if not slots:
-            raise ValueError("slots must have a slot for a run, but there are only functions")
+            raise ValueError("slots must have at least one slot for a run, got only functions")
         if not self.slots:
             raise SubmissionError(f"{self.name} fills no slot: it has no {' or '.join(slots)}")
         check_samples(slots, scenario)

@@ -55,7 +55,7 @@ def rules_of(
     if of_world and len(of_world) < len(rules.slots):
         other = next(slot for slot in rules.slots if slot not in of_world)
         raise ValueError(
-            f"slots must all be of the robot half, or all of the world, got {other} and "
+            f"slots must all belong to the robot half, or all belong to the world, got {other} and "
             f"{of_world[0]}: callbacks of the world know the truth"
         )
     return rules

@@ -109,7 +109,7 @@ class Score:
         own, others = self._known("values", values), self._known("reference", reference)
         if len(own) != len(others):
             raise ValueError(
-                "values and reference must have one number per run of the same runs, got "
+                "values and reference must have one number per run, for the same runs, got "
                 f"{len(own)} and {len(others)}"
             )
         return float(self._of_tests(own, others))

@@ -206,7 +206,7 @@ def _content(inside: _Records, found: Recorded) -> Recorded:
         elif opcode == Opcode.CHUNK:
             steps.read(*inside.chunk(start, size))
     if not found.setup:
-        raise ValueError("it has no session of robsim, or ends before the set-up of the session")
+        raise ValueError("it contains no robsim session, or ends before the set-up of the session")
     if found.steps is None:
         found.problems.append("the recording was not ended: it was killed, or still continues")
     if opcode != Opcode.DATA_END and (rest := inside.size - end):

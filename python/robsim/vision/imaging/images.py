@@ -36,7 +36,7 @@ _ORIENTATION = 0x0112  # the number of EXIF's tag
 def load_image(path: str | PathLike[str], *, mode: str = "RGB") -> Pixels:
     """Read an image file in the pixel order of the sensor.
 
-    The live frames of a camera have the same order. An EXIF orientation does not rotate the pixels.
+    The live frames of a camera have the same order. The EXIF orientation is ignored.
 
     Parameters
     ----------

@@ -228,7 +228,7 @@ class VideoWriter:
         self.count += 1
 
     def close(self) -> None:
-        """Finish the file and give it its name."""
+        """Finish the file and give it its final name."""
         part, self._part = self._part, None
         if part is None:
             return

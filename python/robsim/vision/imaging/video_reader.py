@@ -173,8 +173,8 @@ class VideoReader:
             container = self._av.open(name, container_options=_ALONE, **titles)
         except self._av.FFmpegError as error:
             raise ValueError(
-                f"{one_line(self.file)} is not a video in a file such as MP4, MKV or AVI, or it "
-                "is damaged or truncated"
+                f"{one_line(self.file)} is not a video file, such as MP4, MKV or AVI, or it is "
+                "damaged or truncated"
             ) from error
         with container:
             stream = container.streams.best("video")

@@ -113,7 +113,7 @@ class TrainedColor(report.Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The frame of the smallest margin, if the drift uses it up, and the omitted frames."""
+        """A warning if the drift exceeds the margin, and a note if the table omits frames."""
         remarks = []
         if self.is_at_risk:
             worst = self.frames[self.margins.argmin()]

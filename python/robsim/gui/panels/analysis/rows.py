@@ -95,6 +95,6 @@ class Rows(Part):
     def _columns(self, link: Link, message: dict[str, Any]) -> None:
         rows = link.rows | dict.fromkeys(message["names"], 0)
         if len(rows) > _MOST_GROUPS:
-            raise Refused(f"no more than {_MOST_GROUPS} groups of columns are sent")
+            raise Refused(f"at most {_MOST_GROUPS} groups of columns are sent")
         link.rows = rows
         self._due = 0.0

@@ -97,7 +97,7 @@ class Driving(Choice):
         self._check()
         width, height = self._runner.area
         if not self._is_endless and not (0 <= x <= width and 0 <= y <= height):
-            raise Refused("the point is outside of the work area")
+            raise Refused("the point is outside the work area")
         self._goal = self._within([(x, y)])[0].tolist()
         return self._go_on_to(self._goal)
 

@@ -240,7 +240,7 @@ class FloorPanel(ToolPanel):
     def find_sheets(
         self, *, mark: float | None = None, places: Mapping[int, tuple[float, float]] | None = None
     ) -> FloorCalibration:
-        """Calibrate by the floor sheets in the picture; return the fit of each sheet.
+        """Calibrate with the floor sheets in the picture; return the fit of each sheet.
 
         Parameters
         ----------

@@ -56,7 +56,7 @@ class RobotDrawing(History[Sketch]):
         """Turn the heading from the robot's centre towards a point of the picture."""
         right, down = finite_array("towards", towards, (2,)) - self.sketch.middle
         if np.hypot(right, down) < 1:
-            raise ValueError("towards must differ from the centre of the robot")
+            raise ValueError("`towards` must differ from the centre of the robot")
         alignment = float(-np.degrees(np.arctan2(down, right)))
         self.go_to(replace(self.sketch, alignment=alignment), goes_on=goes_on)
 
@@ -71,7 +71,7 @@ class RobotDrawing(History[Sketch]):
         apart = finite_array("other", other, (2,)) - finite_array("one", one, (2,))
         pixels = float(np.hypot(*apart))
         if pixels < 1:
-            raise ValueError("one and other must be at least one pixel apart")
+            raise ValueError("`one` and `other` must be at least one pixel apart")
         self.resize(distance / pixels * self.sketch.image.shape[1])
 
     def _index(self, part: str, corner: int) -> int:

@@ -66,7 +66,7 @@ class RobotPanel(ToolPanel):
         super().load(picture)
 
     def capture(self, *, whole: bool = False) -> None:
-        """Start a drawing from the square of the live or loaded picture, with initial guesses.
+        """Start a drawing, with initial guesses, from the square in the live or loaded picture.
 
         The picture is scaled down to at most 1000 px a side.
 

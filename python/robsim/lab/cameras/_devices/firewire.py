@@ -37,7 +37,7 @@ def new_camera(url: str, wishes: Wishes) -> Any:
     if not re.fullmatch(r"|[0-9]{1,2}|[0-9a-f]{16}", choice):
         raise ValueError(
             "a FireWire address must be firewire:// (the first camera), firewire://1 (the second "
-            "camera, and so on), or firewire:// with the camera's number of 16 digits, got "
+            "camera, and so on), or firewire:// with the camera's 16-digit number, got "
             f"{quoted(url)}"
         )
     return EXTENSION.load().FireWireCamera(choice, coding=wishes.coding or "", **wishes.given)

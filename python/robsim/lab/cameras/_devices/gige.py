@@ -43,7 +43,7 @@ def new_camera(url: str, wishes: Wishes) -> GigeCamera:
     parts = urlsplit(url)
     if not parts.netloc or parts.path.strip("/"):
         raise ValueError(
-            "an address of GigE Vision must be gige:// and the camera's IP address, serial number "
+            "a GigE Vision address must be gige:// and the camera's IP address, serial number "
             f"or name, got {quoted(url)}"
         )
     chosen = dict(parse_qsl(parts.query, keep_blank_values=True))

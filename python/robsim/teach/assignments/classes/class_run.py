@@ -352,8 +352,8 @@ def _check_apart(out: Path, handed: list[Handed]) -> None:
         inside |= {Path(one.path).parent for one in handed if not one.files}
     if place in inside or not inside.isdisjoint(place.parents):
         raise ValueError(
-            f"out must be outside the submissions, got {one_line(out)}: robsim would take the "
-            "files of the results for a submission"
+            f"out must be outside the submissions, got {one_line(out)}: robsim would "
+            "mistake its own results for a submission"
         )
 
 

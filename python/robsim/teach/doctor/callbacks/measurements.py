@@ -88,7 +88,7 @@ def check_measurement(
     Returns
     -------
     CheckReport
-        True if all checks pass; `tables` has the errors. In a test, call the report's
+        True if all checks pass; `tables` contains the errors. In a test, call the report's
         ``raise_for_problems()``, which lists every problem.
 
     Raises

@@ -232,7 +232,7 @@ def check_solutions(chosen: Sequence[Solution]) -> None:
         raise ValueError(
             f"solutions must have the right solution {REFERENCE!r} first, and another right "
             "solution of equal quality but different design, got "
-            f"{quoted(right)}; the reference fits its own runs best"
+            f"{quoted(right)}; the reference alone is not enough, because it fits its own runs best"
         )
     wrong = [one.name for one in chosen if not one.is_right]
     if NAIVE not in wrong:
