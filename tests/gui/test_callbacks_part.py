@@ -473,3 +473,18 @@ def test_the_doctor_names_the_line(watch, tmp_path):
     remarks = watcher.newest("remarks")
     assert remarks["slot"] == "control"
     assert 3 in [number for number, _ in remarks["lines"]]
+
+
+@pytest.mark.slow
+def test_the_doctor_says_that_a_callback_passes(watch, tmp_path):
+    (tmp_path / "measure.py").write_text(
+        "import robsim\n\n\n"
+        "def measure(step):\n"
+        "    return robsim.locate(\n"
+        "        step.blobs, step.markers, image=step.frame, colors=step.colors\n"
+        "    )\n"
+    )
+    watcher = watch(robsim.Simulation.from_folder(tmp_path, resolution=SIZE))
+    watcher.say("check", slot="measure")
+    wait_for(lambda: watcher.of("remarks"))
+    assert watcher.newest("remarks")["said"] == ["passed all checks"]

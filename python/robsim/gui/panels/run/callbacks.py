@@ -319,7 +319,7 @@ def _remarks_of(check: subprocess.Popen[bytes], file: str) -> dict[str, Any]:
         return {"said": ["the check ended without a result"], "lines": []}
     said, lines = [], []
     places = [(problem["sentence"], problem.get("line") or "") for problem in told["problems"]]
-    for sentence, place in [*places, *((remark, remark) for remark in told["remarks"])]:
+    for sentence, place in [*places, *((remark, remark) for remark in told.get("remarks", ()))]:
         found = re.search(rf"\b{re.escape(file)}:(\d+)", place)
         words = re.sub(rf" \({re.escape(file)}:[^)]*\)", "", sentence.removeprefix(f"{file}: "))
         if found:
