@@ -62,7 +62,7 @@ export function makeRunContext(el, send) {
     context.shown = looking ?? (isEmpty ? -1 : (frame?.k ?? newest));
     context.marked = looking ?? (frame?.past ? frame.k : null); // of a trace that is played back
     const isGrowing = state.state == "running" && context.marked == null;
-    context.last = isGrowing ? context.shown : newest;
+    context.last = isGrowing ? context.shown : Math.max(newest, context.shown);
     context.emit("shown");
     if (context.marked != marked) context.emit("marked");
   };
