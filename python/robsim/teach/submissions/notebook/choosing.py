@@ -31,9 +31,9 @@ The grader takes these parts of a notebook, if a slot needs them:
 1. Definitions and imports, also `from task import *`.
 2. The line that fills a slot: `def control(step)`, `control = Drive()`, `sim.control = ...`,
    `@sim.control`, `Simulation(control=...)`.
-3. Assignments, also in `if` and `for`, unless they run a simulation, draw or wait.
+3. Assignments to variables, also in `if` and `for`, unless they run a simulation, draw or wait.
 4. A whole cell with the tag `robsim` or the first line `# robsim:`, with priority over others.
-5. The grader never takes a cell with the tag `robsim-skip`, a `%` or `!` line, or a call alone.
+5. The grader never takes a cell with the tag `robsim-skip`, a `%` or `!` line, or a bare call.
 
 The grader refuses a notebook with two values for a slot, or without a value that a slot needs."""
 _RULE = "definitions, imports and assignments count, unless they run, draw or wait"
