@@ -141,17 +141,19 @@ colors : list of ColorClass
     The colours to find; a pixel may belong to several.
 markers : MarkerLayout, optional
     The markers to find: the other options then default to values that find these markers, also in
-    noise. The layout's lengths are in px of an array, or converted by the plane map of a Frame.
+    noise. For an array, the layout's lengths are in px of the array; for a Frame, the plane map
+    converts them.
 minimum_area : int, optional
-    Smaller blobs are dropped (px). Default: 12, or with `markers` 1/8 of the smaller marker's area.
+    Smaller blobs are dropped (px). Default: 12 without `markers`, otherwise 1/8 of the smaller
+    marker's area.
 maximum_count : int, optional
-    Maximum number of blobs of a colour, the largest first. Default: 64, or with `markers` their
-    `maximum_blobs`.
+    Maximum number of blobs of a colour, the largest first. Default: 64 without `markers`, otherwise
+    their `maximum_blobs`.
 smoothing : int, optional
     Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
-    and 3/4 of a marker's width; 1 = off. Default: 1, or with `markers` 0.28 of the smaller marker's
-    width, limited to 3..7. For a marker below 7 px, this default is 3 in images with noise and 1 in
-    others.
+    and 3/4 of a marker's width; 1 = off. Default: 1 without `markers`, otherwise 0.28 of the
+    smaller marker's width, limited to 3..7. For a marker below 7 px, this default is 3 in images
+    with noise and 1 in others.
 region : tuple of int, optional
     (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
     pixels are searched, as if the image ended there. Positions refer to the whole image.

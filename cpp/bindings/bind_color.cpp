@@ -139,12 +139,13 @@ TypeError, ValueError
 Notes
 -----
 Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
-it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
-stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
-the class, even with a large margin. A weak colour counts under two conditions. The median of the
-region is farther from grey than the rest of the image, by 4 standard deviations of the mean of 7 x
-7 pixels and at least 3 levels. The same distance holds to grey itself, and is at least 1/8 of its
-luma or 16 levels.
+it. So a range on one side of neutral is open at its far end. In the channel farthest from neutral,
+the range stays 26 levels away from neutral, or half of the colour's distance if that is less. So
+greys do not belong to the class, even with a large margin. A weak colour counts under two
+conditions. First, the median of the region is farther from grey than the rest of the image. The
+difference is at least 4 standard deviations of the mean of 7 x 7 pixels, and at least 3 levels.
+Second, the distance from grey itself is at least as large, and at least 16 levels or 1/8 of the
+luma, whichever is less.
 )")
       .def_static(
           "from_histograms",
@@ -166,8 +167,8 @@ name, percentile, margin, limit_y
     As for `from_region`.
 around : array (2, 2), optional
     Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
-    known; a colour then counts from a distance to grey of 16 levels, or of 1/4 of its luma if that
-    is less.
+    known. A colour then counts if its distance from grey is at least 16 levels, or 1/4 of its luma
+    if that is less.
 )")
       .def("widened", &widened, "margin"_a, R"(
 Return the class with wider ranges.

@@ -217,9 +217,9 @@ Examples
           Field("by_second_chance", &Detection::by_second_chance,
                 "bool: the pair was found only with colours relative to brightness. The limits of "
                 "a colour\nthen apply to U - 128 and V - 128, divided by the largest of R, G and "
-                "B. 26 levels mean a\nsaturation of 29 %. Under coloured light, the floor is taken "
-                "as grey. Dim light, its\ngradients and faded markers change the levels, but not "
-                "the fractions."),
+                "B. A limit of 26\nlevels is a saturation of 29 %. Under coloured light, the floor "
+                "is taken as grey. Dim or\nuneven light and faded markers change the levels, but "
+                "not the fractions."),
           Field("markers", &Detection::markers)));
 
   Class<MissedDetections> missed(public_in(module, "robsim.vision"), "MissedDetections", R"(

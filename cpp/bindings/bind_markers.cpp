@@ -155,7 +155,7 @@ distance_tolerance, area_tolerance, maximum_blobs, colors
 Raises
 ------
 ValueError
-    If the roles are unknown, or contradict the positions; if a polygon is invalid.
+    If the roles are unknown or contradict the positions, or if a polygon is invalid.
 )")
       .def_static("from_positions", &layout_of_positions, "positions"_a, py::kw_only(),
                   "areas"_a = py::none(), "distance_tolerance"_a = defaults.distance_tolerance,
@@ -174,7 +174,8 @@ areas : dict of str to float, optional
 distance_tolerance, area_tolerance, maximum_blobs, colors
     As for `MarkerLayout`.
 polygons : dict of str to array (N, 2), optional
-    By role, their corners, in the same frame. Default: not known, with less exact measurements.
+    By role, their corners, in the same frame. Default: not known, which makes measurements less
+    exact.
 
 Raises
 ------

@@ -173,7 +173,7 @@ array (2,) or (N, 2)
 
 void bind_plane_map(py::module_& module) {
   Class<PlaneMap> plane_map(public_in(module, "robsim.vision"), "PlaneMap", R"(
-Map between frame pixels (u right, v down; integer = centre) and positions on the work area.
+Map between frame pixels (u right, v down; integers are centres) and positions on the work area.
 
 Parameters
 ----------
@@ -290,9 +290,9 @@ TypeError, ValueError
 Notes
 -----
 The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2 unit
-vectors. Since both are measured, the number is the mean of their scales. At the height h the
-homography is K [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A
-flexible new technique for camera calibration, PAMI 22(11), 2000.
+vectors. Measured r1 and r2 differ in length, so the number is the mean of their scales. At the
+height h the homography is K [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z.
+Zhang, A flexible new technique for camera calibration, PAMI 22(11), 2000.
 )");
   define_map(plane_map, "to_world", &PlaneMap::to_world, "pixels", R"(
 Return the positions of pixels.

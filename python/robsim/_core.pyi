@@ -100,7 +100,7 @@ class Intrinsics:
         """
 class PlaneMap:
     """
-    Map between frame pixels (u right, v down; integer = centre) and positions on the work area.
+    Map between frame pixels (u right, v down; integers are centres) and positions on the work area.
     
     Parameters
     ----------
@@ -207,9 +207,9 @@ class PlaneMap:
         Notes
         -----
         The floor's homography to ideal pixels is K [r1 r2 t], times a number that makes r1 and r2 unit
-        vectors. Since both are measured, the number is the mean of their scales. At the height h the
-        homography is K [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z. Zhang, A
-        flexible new technique for camera calibration, PAMI 22(11), 2000.
+        vectors. Measured r1 and r2 differ in length, so the number is the mean of their scales. At the
+        height h the homography is K [r1 r2 t + h n], where n = +- r1 x r2 points to the camera. Source: Z.
+        Zhang, A flexible new technique for camera calibration, PAMI 22(11), 2000.
         """
     def to_pixel(self, positions: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -804,8 +804,8 @@ class ColorClass:
             As for `from_region`.
         around : array (2, 2), optional
             Medians and spreads of U and V around the regions, as from `surrounding_chroma`. Default: not
-            known; a colour then counts from a distance to grey of 16 levels, or of 1/4 of its luma if that
-            is less.
+            known. A colour then counts if its distance from grey is at least 16 levels, or 1/4 of its luma
+            if that is less.
         """
     @staticmethod
     def from_region(image: Frame | numpy.typing.NDArray[numpy.uint8], region: collections.abc.Sequence[int], *, name: str, percentile: float = 33.0, margin: int = 52, limit_y: bool = False) -> ColorClass:
@@ -837,12 +837,13 @@ class ColorClass:
         Notes
         -----
         Shadow, and noise clipped at black and white, move U and V towards neutral (128), never away from
-        it. So a range on one side of neutral is open at its far end. The channel farthest from neutral
-        stays 26 levels away from it, or half of its own distance if that is less: greys do not belong to
-        the class, even with a large margin. A weak colour counts under two conditions. The median of the
-        region is farther from grey than the rest of the image, by 4 standard deviations of the mean of 7 x
-        7 pixels and at least 3 levels. The same distance holds to grey itself, and is at least 1/8 of its
-        luma or 16 levels.
+        it. So a range on one side of neutral is open at its far end. In the channel farthest from neutral,
+        the range stays 26 levels away from neutral, or half of the colour's distance if that is less. So
+        greys do not belong to the class, even with a large margin. A weak colour counts under two
+        conditions. First, the median of the region is farther from grey than the rest of the image. The
+        difference is at least 4 standard deviations of the mean of 7 x 7 pixels, and at least 3 levels.
+        Second, the distance from grey itself is at least as large, and at least 16 levels or 1/8 of the
+        luma, whichever is less.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -943,7 +944,7 @@ class MarkerLayout:
         Raises
         ------
         ValueError
-            If the roles are unknown, or contradict the positions; if a polygon is invalid.
+            If the roles are unknown or contradict the positions, or if a polygon is invalid.
         """
     @staticmethod
     def from_positions(positions: collections.abc.Mapping[str, numpy.typing.ArrayLike], *, areas: collections.abc.Mapping[str, float | None] | None = None, distance_tolerance: float = 0.12, area_tolerance: float = 2.5, maximum_blobs: int = 64, polygons: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, colors: collections.abc.Mapping[str, str] | None = None) -> MarkerLayout:
@@ -960,7 +961,8 @@ class MarkerLayout:
         distance_tolerance, area_tolerance, maximum_blobs, colors
             As for `MarkerLayout`.
         polygons : dict of str to array (N, 2), optional
-            By role, their corners, in the same frame. Default: not known, with less exact measurements.
+            By role, their corners, in the same frame. Default: not known, which makes measurements less
+            exact.
         
         Raises
         ------
@@ -1223,9 +1225,9 @@ class Detection:
     def by_second_chance(self) -> bool:
         """
         bool: the pair was found only with colours relative to brightness. The limits of a colour
-        then apply to U - 128 and V - 128, divided by the largest of R, G and B. 26 levels mean a
-        saturation of 29 %. Under coloured light, the floor is taken as grey. Dim light, its
-        gradients and faded markers change the levels, but not the fractions.
+        then apply to U - 128 and V - 128, divided by the largest of R, G and B. A limit of 26
+        levels is a saturation of 29 %. Under coloured light, the floor is taken as grey. Dim or
+        uneven light and faded markers change the levels, but not the fractions.
         """
     @property
     def distance(self) -> float:
@@ -1772,7 +1774,8 @@ class Step:
     def detection(self) -> Detection | None:
         """
         Detection or None: the result of the default measurement, also with the reason for a missing
-        pose. None before the measurement, in a step without a frame, and if a callback measures.
+        pose. None before the measurement, in a step without a frame, and if a callback measures the
+        pose.
         """
     @property
     def dt(self) -> float:
@@ -2427,8 +2430,8 @@ class Unicycle:
     """
     The robot on wheels that do not slip sideways: a ready `evaluate_model` in native code.
     
-    The robot has the constants of the `RobotModel`. Along a straight line and in its heading it moves
-    like this model; in a curve it drives along its heading. The object can be called like a callback:
+    The robot has the constants of the `RobotModel`. It drives straight and turns like this model, but
+    in a curve it always drives along its heading. The object can be called like a callback:
     ``pose = unicycle(world)``.
     
     Notes
@@ -2982,17 +2985,19 @@ def find_blobs(image: Frame | numpy.typing.NDArray[numpy.uint8], colors: collect
         The colours to find; a pixel may belong to several.
     markers : MarkerLayout, optional
         The markers to find: the other options then default to values that find these markers, also in
-        noise. The layout's lengths are in px of an array, or converted by the plane map of a Frame.
+        noise. For an array, the layout's lengths are in px of the array; for a Frame, the plane map
+        converts them.
     minimum_area : int, optional
-        Smaller blobs are dropped (px). Default: 12, or with `markers` 1/8 of the smaller marker's area.
+        Smaller blobs are dropped (px). Default: 12 without `markers`, otherwise 1/8 of the smaller
+        marker's area.
     maximum_count : int, optional
-        Maximum number of blobs of a colour, the largest first. Default: 64, or with `markers` their
-        `maximum_blobs`.
+        Maximum number of blobs of a colour, the largest first. Default: 64 without `markers`, otherwise
+        their `maximum_blobs`.
     smoothing : int, optional
         Width of the window whose mean classifies a pixel, against noise: 3, 5, ... 15 px, between 1/4
-        and 3/4 of a marker's width; 1 = off. Default: 1, or with `markers` 0.28 of the smaller marker's
-        width, limited to 3..7. For a marker below 7 px, this default is 3 in images with noise and 1 in
-        others.
+        and 3/4 of a marker's width; 1 = off. Default: 1 without `markers`, otherwise 0.28 of the
+        smaller marker's width, limited to 3..7. For a marker below 7 px, this default is 3 in images
+        with noise and 1 in others.
     region : tuple of int, optional
         (left, top, right, bottom) in px, all four included, as in a blob's bounding box: only these
         pixels are searched, as if the image ended there. Positions refer to the whole image.

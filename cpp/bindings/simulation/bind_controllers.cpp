@@ -12,8 +12,8 @@ void bind_unicycle(py::module_& module) {
   Class<Unicycle> unicycle(public_in(module, "robsim"), "Unicycle", R"(
 The robot on wheels that do not slip sideways: a ready `evaluate_model` in native code.
 
-The robot has the constants of the `RobotModel`. Along a straight line and in its heading it moves
-like this model; in a curve it drives along its heading. The object can be called like a callback:
+The robot has the constants of the `RobotModel`. It drives straight and turns like this model, but
+in a curve it always drives along its heading. The object can be called like a callback:
 ``pose = unicycle(world)``.
 
 Notes

@@ -94,7 +94,7 @@ auto fields_of_step(const Make& make, const More&... more) {
       Field("detection", detection,
             "Detection or None: the result of the default measurement, also with the reason for a "
             "missing\npose. None before the measurement, in a step without a frame, and if a "
-            "callback measures."),
+            "callback measures the\npose."),
       Field("estimate", read(&Step::estimate),
             "Estimate or None: the result of the state estimator."),
       more...);

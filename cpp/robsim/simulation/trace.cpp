@@ -177,8 +177,8 @@ std::vector<TraceGroup> make_schema() {
       group("covariance_measured", {3, 3}, covariances("cov_measured_"),
             "Covariance of the measured pose (N, 3, 3), NaN where it is not known."),
       group("misfit", {}, {{"misfit", ""}},
-            "Misfit of the measurement (N,): factor on its variance, 1 = the residuals of the fit "
-            "are only noise."),
+            "Misfit of the measurement (N,), by which its variance is multiplied; 1 = the "
+            "residuals of the fit are only noise."),
       group("signal_to_noise", {}, {{"signal_to_noise", ""}},
             "Signal-to-noise ratio of the markers' edges (N,): a pose is reliable from 4 on."),
       zero_where_missing(group("missed", {}, {{"missed", ""}},
@@ -204,8 +204,7 @@ std::vector<TraceGroup> make_schema() {
       flag("interrupted",
            "The robot was stopped after the previous step: the pose does not follow from the "
            "previous input (N,)."),
-      flag("unanswered",
-           "The robot had stopped answering for a second when the input was sent (N,)."),
+      flag("unanswered", "The robot had not answered for a second when the input was sent (N,)."),
       group("t_arrival", {}, {{"t_arrival", "s"}},
             "Time at which the frame reached this computer (N,), by the clock of `t` (s)."),
       group("t_sent", {}, {{"t_sent", "s"}},

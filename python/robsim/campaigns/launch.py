@@ -52,9 +52,10 @@ def campaign(
     metrics : names or functions of the trace
         Numbers to compute from each run, one or several: names, functions, or a mapping of name to
         either. A function returns a number, a dict of numbers, or a `Report`, which gives its
-        numbers. The names are ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"`` and
-        ``"nees"`` (of the estimated pose; angles in rad), ``"parameters"`` (the last online
-        estimate), ``"batch"``. A score function requires further arguments:
+        numbers. The names are ``"tracking"``, ``"measurement_errors"``, ``"pose_errors"``,
+        ``"nees"``, ``"parameters"`` and ``"batch"``. Here ``"pose_errors"`` and ``"nees"`` refer to
+        the estimated pose (angles in rad), and ``"parameters"`` refers to the last online estimate.
+        A score function requires further arguments:
         ``functools.partial(robsim.score_path, waypoints=square)``, for example.
     runs : int
         Number of runs of each case.

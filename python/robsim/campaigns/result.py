@@ -235,9 +235,9 @@ class CampaignResult(Report):
         Returns
         -------
         CampaignSummary
-            For each metric, the mean of each group with its interval. For the difference to the
-            first group, run by run, its mean, its interval, and the number of further runs that
-            would decide it.
+            For each metric, the mean of each group with its interval. Also the mean of the
+            run-by-run differences from the first group, its interval, and the number of further
+            runs for a decision.
 
         Raises
         ------

@@ -25,7 +25,7 @@ _WIDEST = 12  # label of a group, in letters, that stands at the head of a colum
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CampaignSummary(Report):
-    """Means over the runs of each group of cases, and the differences to the first group.
+    """Means over the runs of each group of cases, and the differences from the first group.
 
     A run counts if its number is known in all cases of the group. The numbers of these cases are
     averaged first. So each run has one number, and the runs are independent.

@@ -227,8 +227,9 @@ class GoToPoint(_Drive):
     turn_gain : float
         Voltage per turn rate (V per rad/s): damps the turning.
     minimum_voltage : float
-        Dead zone: for a smaller force the voltages are 0 (V). The robot may stop
-        ``minimum_voltage / (speed_gain * distance_gain)`` from the goal, which is 6 px by default.
+        Dead zone: for a smaller force the voltages are 0 (V). The robot may stop at a distance of
+        ``minimum_voltage / (speed_gain * distance_gain)`` from the goal; by default, this distance
+        is 6 px.
 
     Raises
     ------

@@ -46,7 +46,7 @@ def plot_runs(
         The slots in which the runs differ, which select the error: ``"estimate_state"`` the
         estimated poses, ``"measure"`` the measured ones, ``"estimate_parameters"`` the parameters,
         ``"control"`` the distance from `goals`. Default: ``"control"`` if `goals` is given,
-        otherwise the first of the other three slots with values in all runs.
+        otherwise the first of the slots above that has values in all runs.
 
     Returns
     -------

@@ -171,7 +171,7 @@ class Scenario(Options):
         NotRecordedError
             If the trace has no scenario.
         TypeError, ValueError
-            If `trace` is not a Trace, or begins later.
+            If `trace` is not a Trace, or does not begin at the first step of the run.
 
         Warns
         -----
@@ -240,9 +240,9 @@ class Scenario(Options):
     def to_toml(self) -> str:
         """Return the scenario as the text of a TOML file, for `from_toml`.
 
-        The text has only the robot and the values that differ from the defaults. A robot that ships
-        with robsim is given by its name. The text includes images and recorded inputs, so that it
-        is complete.
+        The text contains only the robot and the values that differ from the defaults. A robot that
+        ships with robsim is given by its name. The text includes images and recorded inputs, so
+        that it is complete.
 
         Raises
         ------

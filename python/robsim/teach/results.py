@@ -278,7 +278,7 @@ class SubmissionResult:
 
     @property
     def points(self) -> float:
-        """All points of the submission, by tests and by hand, minus the share of late days."""
+        """All points of the submission, by tests and by hand, minus the deduction for late days."""
         hand = self.by_hand
         points = self.points_of_tests if hand.points is None else hand.points
         points += sum(test.points for test in self.tests if test.by_hand)

@@ -54,7 +54,7 @@ class RunInfo:
         not known.
     headings : int, optional
         Number of drawn headings of the robot, at whole pixels, in a simulation. Default: any
-        heading, as in a camera's view, or not known.
+        heading is possible, as in a camera's view, or the number is not known.
     unit : str
         The unit of all lengths of the trace, and of theta_true: ``"px"``, or, after
         `Trace.in_unit`, ``"mm"``, ``"cm"``, ``"m"``.

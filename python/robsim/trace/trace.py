@@ -292,9 +292,10 @@ class Trace:
         Returns
         -------
         TrackingStatistics
-            Numbers of steps with and without a seen robot, the reasons, false poses, and the errors
-            that measurements report. The root mean square error and the largest error exclude false
-            poses; the median error includes all poses.
+            The numbers of steps with and without a detected robot, and the reasons for missed
+            detections. Also false poses, true errors, and the errors that measurements report. The
+            root mean square error and the largest error exclude false poses; the median error
+            includes all poses.
         """
         return tracking_statistics(
             self.error,
@@ -370,7 +371,7 @@ class Trace:
         return Trace(groups, self.info, first_step=self._first_step + start)
 
     def summary(self) -> TraceSummary:
-        """Return the content: groups of columns, their units, and the number of known steps."""
+        """Return the groups of columns, their units, and the numbers of steps with known values."""
         return summary_of(self._groups, self.info, first_step=self._first_step)
 
     def __str__(self) -> str:

@@ -288,15 +288,16 @@ def measurement_bound(
 ) -> MeasurementBound:
     """Return the smallest possible error of a pose measured from the robot's markers.
 
-    The bound uses only pixels of the markers and pixels around them. The bound assumes that the
-    brightness of the markers and of the floor next to them and the blur of the picture are unknown.
-    The rest of the robot does not count.
+    The bound uses only pixels of the markers and pixels around them. The bound takes three
+    properties as unknown: the brightness of the markers, the brightness of the floor next to them,
+    and the blur. The rest of the robot does not count.
 
     Parameters
     ----------
     frame : Frame
         The source of brightness, contrast, blur, and scale (with its plane map): a frame with
-        little or no noise. A frame with 40 % noise and 10 px markers doubles the bound.
+        little or no noise. If this frame has 40 % noise and 10 px markers, the result is twice the
+        bound.
     pose : array (3,)
         Pose of the robot in the frame: x, y (work-area px), heading (rad).
     robot : RobotDefinition or sequence of array (N, 2)

@@ -73,7 +73,7 @@ class WhitenessReport(Report):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Degrees of freedom of `ljung_box`, which are equal to its mean and half its variance."""
+        """Degrees of freedom of `ljung_box`, equal to its mean and to half of its variance."""
         return int(np.count_nonzero(self.pairs))
 
     @property

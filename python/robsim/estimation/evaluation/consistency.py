@@ -134,9 +134,9 @@ class ConsistencyReport(Report):
     position and velocity, this mean misses its band in 29 % of the trials. The percentage ranges
     from 7 to 56 %, and increases with the memory of the filter. In 99 % of the trials, some step
     lies outside its own band. Therefore at least 80 % of the steps must lie in their bands. From 20
-    runs on, the mean must also not deviate by more than 10 % and 4 of its standard errors. The
-    standard errors come from the spread between the runs, which correlation in time does not
-    affect. The verdict always uses the 95 % band, regardless of the displayed `level`.
+    runs on, the mean must also deviate by at most 10 %, or 4 of its standard errors if that is
+    more. The standard errors come from the spread between the runs, which correlation in time does
+    not affect. The verdict always uses the 95 % band, regardless of the displayed `level`.
 
     A verdict is at the limit if a change of the share or of the mean by one standard error would
     change the verdict. The standard error of the share comes from its autocorrelation in time. Over
@@ -183,12 +183,12 @@ class ConsistencyReport(Report):
 
     @property
     def unknown(self) -> int:
-        """Number of steps of all runs without a value; the statistics below omit them."""
+        """Number of steps without a value, over all runs; the statistics below omit them."""
         return self.runs * len(self.values) - int(self.counts.sum())
 
     @property
     def mean(self) -> float:
-        """Mean of all known values; its expectation is n, and NaN = no known value."""
+        """Mean of all known values, whose expectation is n; NaN if no value is known."""
         known = self.counts > 0
         total = int(self.counts.sum())
         return float(np.sum(self.values[known] * self.counts[known])) / total if total else np.nan

@@ -163,7 +163,7 @@ class ErrorReport(Report):
 
     @property
     def few_steps(self) -> NDArray[np.bool_]:
-        """Dominant steps (M, N): at most 3 % of the steps, with half of the squared errors."""
+        """Dominant steps (M, N): at most 3 % of the steps, with half of the total squared error."""
         return np.asarray(few_steps(self.error).any(axis=-1))
 
     @property

@@ -199,7 +199,7 @@ class BatchEstimate(Report):
 
     @property
     def knows_truth(self) -> bool:
-        """Whether `theta_true` is the truth: process noise is the only departure from the model."""
+        """Whether `theta_true` is the truth: the model is exact, except for process noise."""
         return self.is_model_exact or self.departure == "process noise"
 
     @property

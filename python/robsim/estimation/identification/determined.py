@@ -114,7 +114,7 @@ class Identifiability(Report):
 
     @property
     def verdict(self) -> str:
-        """The verdict on the worst determined parameter."""
+        """The verdict on the worst-determined parameter."""
         return _worst(self.verdicts)
 
     @property

@@ -72,8 +72,8 @@ def regression_of(
         ``"longest"``: the samples of the longest segment without an interruption. ``"all"``: also
         samples that span a bounce, which the model does not cover.
     motor_delay : float
-        Delay of the inputs (steps of the model), 0..1000. A sample is not valid if its inputs are
-        older than the record or a stop, or if it comes from lost frames.
+        Delay of the inputs (steps of the model), 0..1000. A sample is not valid if its inputs
+        precede the record or a stop, or if it spans lost frames.
 
     Returns
     -------

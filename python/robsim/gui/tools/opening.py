@@ -111,7 +111,8 @@ def floor_panel(
     """Open the panel that calibrates a camera's view of the floor.
 
     Place points on the picture with the mouse under a magnifying glass, and enter their positions
-    on the floor, or find printed sheets. The panel shows the quality of the fit immediately.
+    on the floor. Or let the panel find printed sheets. The panel shows the quality of the fit
+    immediately.
 
     Parameters
     ----------

@@ -219,7 +219,7 @@ def sheet_shifts(image: Pixels | Frame, calibration: Calibration) -> dict[int, f
     -------
     dict of int to float
         The median distance of a sheet's marks from their calibrated positions (frame px), by sheet
-        number. The dict has only visible sheets that the calibration used.
+        number. The dict contains only visible sheets that the calibration used.
 
     Raises
     ------

@@ -98,11 +98,12 @@ class Camera(Closing):
         setting.
     fps : float, optional
         Frames per second: requested from a camera by number, on FireWire or on GigE; the rate of
-        an address without its own rate; or the playback rate of a folder. Default: a file's own
-        rate, a GigE camera's current rate, or on FireWire 30 or the next lower rate that camera and
-        bus support. For other sources, `dt` is then unknown. On FireWire and GigE a warning reports
-        a rate that differs from the requested rate, and `dt` follows the actual rate. A run warns
-        if any camera sends at most half of its rate.
+        an address without its own rate; or the playback rate of a folder. Default: the rate of the
+        file, or the current rate of the GigE camera. On FireWire, the default is 30 frames per
+        second, or the next lower rate that camera and bus support. For other sources, `dt` is
+        unknown by default. On FireWire and GigE a warning reports a rate that differs from the
+        requested rate, and `dt` follows the actual rate. A run warns if any camera sends at most
+        half of its rate.
     coding : str, optional
         The camera's pixel coding: on FireWire one of ``"yuv422"``, ``"rgb8"``, ``"yuv444"``,
         ``"raw8"``, ``"yuv411"``, ``"mono8"``, ``"mono16"``; on GigE one of ``"rgb8"``, ``"raw8"``,

@@ -8,7 +8,7 @@ from robsim.base.text import cut
 
 
 class CaptureError(OSError):
-    """A camera cannot be opened or read; the message has the remedy.
+    """A camera cannot be opened or read; the message gives the remedy.
 
     Each kind of error has a class that derives from this class.
 

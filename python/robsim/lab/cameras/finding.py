@@ -57,7 +57,7 @@ class CameraReport(Report):
 
 
 def find_cameras(*, network: bool = False) -> CameraReport:
-    """Return the available cameras, and missing parts with reasons, without opening any camera.
+    """Return the available cameras, and the reasons for missing ones, without opening any camera.
 
     Parameters
     ----------

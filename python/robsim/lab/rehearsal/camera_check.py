@@ -135,11 +135,11 @@ def check_camera(
     -------
     CameraCheck
         The report covers the rate, jitter, losses, exposure and latency of the frames, and the
-        size, contrast and colours of the markers. It gives the noise (standard deviation of a
-        channel in grey levels, unless compression smooths it) and the markers' signal-to-noise
-        ratio, see `Measurement`. The share of frames with a detected robot and the scatter of its
-        pose follow. The calibration is checked against the robot and its floor sheets. Each finding
-        has a verdict and a remedy.
+        size, contrast and colours of the markers. It gives the markers' signal-to-noise ratio (see
+        `Measurement`), and the noise as the standard deviation of a channel in grey levels. The
+        noise is missing if compression smooths it. The report also gives the share of frames with a
+        detected robot, and the scatter of its pose. The calibration is checked against the robot
+        and its floor sheets. Each finding has a verdict and a remedy.
 
     Raises
     ------

@@ -80,8 +80,8 @@ class SimulatedLab(Closing):
     Notes
     -----
     The input of a step is the mean input of the robot since the previous step. Camera noise is
-    added after the optics, and process noise in each step. A computer that is too slow for the rate
-    loses frames (`skipped_frames`), but the world keeps real time.
+    added after the optics, and process noise is added in each step. A computer that is too slow for
+    the rate loses frames (`skipped_frames`), but the world keeps real time.
 
     Examples
     --------

@@ -18,7 +18,7 @@ class Lens:
 
     Let r be the distance of a point from the centre in an ideal picture, as a fraction of half the
     frame's diagonal. This lens moves the point to the distance r (1 + k1 r^2 + k2 r^4): a k1 of
-    -0.04 moves the corners in by 4 %.
+    -0.04 moves the corners inwards by 4 %.
 
     Parameters
     ----------

@@ -38,9 +38,9 @@ def plot_parameters(
 ) -> Figure:
     """Draw the errors of the 15 online parameter estimates over the steps, on a logarithmic axis.
 
-    The estimate of a falling curve converges; a level curve shows a bias, or an estimate that
-    follows the noise. The errors are relative to the true values; the errors of d1, which may be 0,
-    are absolute. The true values and the last estimates stand next to the curves. A note from
+    A falling curve shows that the estimate converges; a level curve shows a bias, or an estimate
+    that follows the noise. The errors are relative to the true values; the errors of d1, which may
+    be 0, are absolute. The true values and the last estimates stand next to the curves. A note from
     `robsim.identifiability` marks parameters that the run excites poorly or not at all. This note
     concerns the spread of the estimate due to noise, not its bias. If the truth is not known, the
     curves show the deviations from the last estimates, so they show when the estimates settle, not

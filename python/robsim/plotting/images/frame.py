@@ -37,7 +37,7 @@ def plot_frame(
     """Draw a camera frame with the vision results on it.
 
     The axes are in work-area pixels. If the camera views the plane obliquely, the frame is not a
-    rectangle there, and the axes are in pixels of the frame.
+    rectangle on the plane, so the axes are in pixels of the frame.
 
     Parameters
     ----------

@@ -98,8 +98,8 @@ def play(
 ) -> Clip:
     """Return a run as a clip that plays in a notebook, in real time.
 
-    The frame rate is limited to 0.1..60 frames per second: with a `dt` below 1/60 s the clip plays
-    slower than real time, and with a `dt` above 10 s faster.
+    The frame rate is limited to 0.1..60 frames per second. So the clip plays slower than real time
+    if `dt` is below 1/60 s, and faster if `dt` is above 10 s.
 
     Parameters
     ----------

@@ -139,7 +139,7 @@ def _is_semidefinite(matrix: Floats) -> bool:
 
 @dataclass(frozen=True)
 class WheelNoise:
-    """Process noise on the voltages of the motors, Gaussian, independent of each other.
+    """Gaussian process noise on the voltages of the motors, independent for each motor.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ class ParameterMismatch:
         object.__setattr__(self, "sigma", sigma)
 
     def draw(self, model: RobotModel, rng: np.random.Generator) -> RobotModel:
-        """Return the model of a world, which differs randomly from the given model.
+        """Return a world's model, which differs randomly from the given model.
 
         Parameters
         ----------

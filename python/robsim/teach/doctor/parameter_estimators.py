@@ -52,8 +52,8 @@ def check_parameter_estimator(
     samples alone. They must predict better than ``2 x(k-1) - x(k-2)``, the prediction for constant
     speed. They must stay accurate in a long run and after 1000 steps at rest. If a check fails,
     poses and inputs are displaced one by one. The step and the axis of the first change then show
-    the cause: phi and y of different steps, mixed axes or forgotten samples. The report leaves out
-    the consequences of a problem.
+    the cause. Phi and y may come from different steps, axes may be mixed, or samples may be
+    forgotten. The report leaves out the consequences of a problem.
 
     Parameters
     ----------
@@ -82,11 +82,11 @@ def check_parameter_estimator(
 
     Notes
     -----
-    Least squares with constant P and normalised least mean squares (NLMS) with step 1 are the same
-    equation. The check cannot distinguish them. Nor can it distinguish a gain that is too small
-    from a gradient method, which is correct but slow; both get a remark. The check searches for
-    windup in the square matrices that an estimator stores. If these matrices are hidden, the check
-    sees windup only in the parameters.
+    The check cannot distinguish normalised least mean squares (NLMS) with step 1 from least squares
+    with constant P, because the equations are equal. Nor can it distinguish a gain that is too
+    small from a gradient method, which is correct but slow; both get a remark. The check searches
+    for windup in the square matrices that an estimator stores. If these matrices are hidden, the
+    check sees windup only in the parameters.
 
     Sources: Goodwin and Sin, Adaptive Filtering, Prediction and Control, 1984, chapter 3
     (projection, least squares, covariance resetting); Astrom and Wittenmark, Adaptive Control,

@@ -68,12 +68,13 @@ def check_estimator(
     """Check a state estimator in several situations and report its problems.
 
     The estimator gets the same steps as ``estimate_state`` of `Simulation`, with measurements and
-    empty frames. The checks examine the type, the symmetry and the definiteness of its results,
-    which may depend on its own past steps alone. Displaced measurements show the filter's gain, and
-    the step of the first change. The checks compare the covariance with the gain, with R and with
-    the errors (NEES), also while the robot is not seen. Other inputs show the prediction of the
-    first step, of a turn and of a straight way. A drive in circles tests headings beyond +-pi. The
-    report lists all independent faults, but not their consequences.
+    empty frames. The checks examine the type of its results, and the symmetry and the definiteness
+    of the covariance. The results may depend only on the estimator's own past steps. Displaced
+    measurements show the filter's gain, and the step in which the estimate first changes. The
+    checks compare the covariance with the gain, with R and with the errors (NEES), also while the
+    robot is not seen. Other inputs test the prediction in the first step, in a turn and on a
+    straight line. A drive in circles tests headings beyond +-pi. The report lists all independent
+    faults, but not their consequences.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def check_estimator(
         accepted.
     dt : float, optional
         The step time (s), if the estimator supports only one. By default the estimator must support
-        any step time; the report remarks if it never uses ``step.dt``.
+        any step time; the report has a remark if the estimator never uses ``step.dt``.
     budget : float
         Maximum of the median time per call (s).
 
@@ -110,13 +111,13 @@ def check_estimator(
       it takes for half as large), also a larger Q.
     - Standard deviations in R and an R for another camera, which gets a remark only.
 
-    A repeated measurement has the same effect as half of R. The doctor knows the R of its
+    A repeated measurement has the same effect as a halved R. The doctor knows the R of its
     measurements, and searches for R among the numbers that the estimator stores. Inputs that act a
-    step late have the same effect as Euler's method. The doctor searches for the speed among the
-    stored numbers. Filters whose Q and R are too large or too small by a factor of 4 pass the
-    check.
+    step late have the same effect as Euler's method. To distinguish these, the doctor searches for
+    the speed among the stored numbers. Filters whose Q and R are too large or too small by a factor
+    of 4 pass the check.
 
-    The mean NEES is 3 for a consistent filter; a value above 20 is a problem, also with the noise
+    The mean NEES is 3 for a consistent filter; a value above 20 is a problem, even with the noise
     of the sharpest camera. Sources: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to
     Tracking and Navigation, 2001, 5.2 (gain and covariance of the update), 5.4 (consistency, NEES),
     6.5 (alpha-beta filters); Simon, Optimal State Estimation, 2006, chapter 5 (forms of the update

@@ -93,7 +93,7 @@ def check_answer(
 
 
 def checked(answer: Answer) -> Callable[..., Any]:
-    """Print whether the answer to an exercise is right; return a right answer.
+    """Print whether the answer to an exercise is right; return this answer or robsim's answer.
 
     So a notebook continues with the student's function if it is right, else with robsim's function.
     A hint follows the second wrong answer.

@@ -22,7 +22,7 @@ _MOST_SHOWN = 6  # numbers of an array
 
 @dataclass(frozen=True, kw_only=True)
 class Exercise:
-    """A function for a student to write, from numbers and arrays to numbers and arrays.
+    """A function for a student to write, which takes and returns numbers and arrays.
 
     Attributes
     ----------

@@ -84,7 +84,7 @@ class Key:
         Raises
         ------
         AssignmentError
-            If the file is missing or no key, or if other users can read it.
+            If the file is missing or is not a key, or if other users can read it.
 
         Warns
         -----

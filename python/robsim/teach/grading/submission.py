@@ -213,7 +213,7 @@ class Submission:
         ------
         SubmissionError
             If the submission fails: its code raises an exception, takes too long, ends its process,
-            or returns an invalid result. The error has the slot, the step and the line.
+            or returns an invalid result. The error names the slot, the step and the line.
         AssignmentError
             If one of `callbacks` fails.
         GraderError

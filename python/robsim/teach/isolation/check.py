@@ -72,7 +72,7 @@ class IsolationReport(Report):
 
     @property
     def strict(self) -> bool:
-        """Whether ``isolation="strict"`` is available: all areas closed, all attempts failed."""
+        """Whether ``isolation="strict"`` is available: all areas are closed, all attempts fail."""
         return all(self.closed.values()) and all(held for held, _ in self.attempts.values())
 
     @property
@@ -100,7 +100,7 @@ class IsolationReport(Report):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """The layers that hold, successful attempts, missing layers with reasons, and gaps."""
+        """The effective layers, successful attempts, missing layers with reasons, and gaps."""
         remarks = [self.isolation_line]
         remarks += [
             f"It {text} ({name})" for name, (held, text) in self.attempts.items() if not held

@@ -227,7 +227,7 @@ class Task(ABC):
         Returns
         -------
         Simulation
-            ``task.score(task.simulation(...).run(task.steps))`` has the numbers of the run.
+            ``task.score(task.simulation(...).run(task.steps))`` gives the numbers of the run.
         """
         return Simulation(self.scenario, seed=seed, time_limit=time_limit, **callbacks)
 

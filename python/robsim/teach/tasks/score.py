@@ -38,7 +38,7 @@ class Score:
         The combination of several runs; see `statistic`.
     share : float
         Its share of the points of a test; the shares of a task sum to 1. A score of kind ``"lost"``
-        has the share 0: its fraction of the points multiplies all other scores.
+        has the share 0, but all other scores are multiplied by its fraction of the points.
     floor, worst : float
         Bounds of the number: a better number than `floor` counts as `floor`. A worse number than
         `worst`, or NaN, counts as `worst`.
@@ -92,8 +92,8 @@ class Score:
         float
             For the kind ``"ratio"``, the geometric mean of value/reference: 1 is as good as the
             reference, 2 is twice as bad. For ``"consistency"``, the geometric mean of the values,
-            which should be 1. For ``"lost"`` (% of the steps), the ratio of the reference's
-            remaining steps to the remaining steps.
+            which should be 1. For ``"lost"`` (% of the steps), the remaining steps of the
+            reference, divided by the remaining steps of the runs.
 
         Raises
         ------

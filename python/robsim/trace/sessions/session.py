@@ -97,8 +97,8 @@ class Session:
     scale is known; otherwise they are in px, and the names of the coordinate frames end with
     ``_px``.
 
-    In the coordinate frame ``area``, the work area, x points right, y down and z into the floor; in
-    ``map``, y and z point up. ``robot`` has the axes of the area, turned by the heading; in
+    In the coordinate frame ``area`` (the work area), x points right, y down and z into the floor;
+    in ``map``, y and z point up. ``robot`` has the axes of the area, turned by the heading; in
     ``base_link`` z points up. ``camera`` is the optical frame of a camera with a calibrated lens.
     robsim itself reads the exact numbers in ``/robsim/steps``, and the set-up in the metadata
     ``robsim.setup``.

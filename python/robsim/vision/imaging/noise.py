@@ -77,8 +77,8 @@ class _Noise:
 class GaussianNoise(_Noise):
     """Gaussian noise, independent for each pixel and channel, rounded and clipped to 0..255.
 
-    The cumulative distribution is exact to 0.001, and the standard deviation to 0.5 %. The
-    frequency of values beyond 4 to 6 standard deviations is exact, too.
+    The cumulative distribution is exact to 0.001, and the standard deviation to 0.5 %. Up to 6
+    standard deviations, the frequency of rare values is exact, too.
 
     Parameters
     ----------

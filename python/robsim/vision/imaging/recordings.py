@@ -55,8 +55,8 @@ class Recording:
         The camera's calibration, instead of `plane_map`. Frames of another size are refused.
     headings : int, optional
         Number of drawn headings of the robot, at whole pixels, as in a simulation; the covariances
-        of measured poses then include their rounding. Default: the number stored in a robsim
-        video; otherwise any heading. Images in a folder have no number.
+        of measured poses then include their rounding. Default: the number stored in a video of
+        robsim. In other videos and in images, any heading is possible.
 
     Attributes
     ----------
@@ -67,9 +67,9 @@ class Recording:
     area : tuple of int
         Width and height of the work area (px).
     dt : float or None
-        Time between two frames (s), longer by whole intervals where frames were lost. None if the
-        time is not constant or not known: images in a folder have no times, and an `Experiment`
-        uses the dt of its model.
+        Time between two frames (s), longer by whole intervals where frames were lost. None if this
+        time varies, or is not known, as for images in a folder; an `Experiment` then uses the dt of
+        its model.
     size : tuple of int
         Width and height of the frames (px).
     count : int
@@ -100,8 +100,8 @@ class Recording:
     The times of a video come from its file, and start at the first frame. A frame that depends on a
     damaged frame may show traces of the damage. A frame of an interlaced video shows the field that
     was exposed first, and has this field's time. The filter yadif interpolates the other rows,
-    which costs a pose 0.1 px and 0.3 degrees. Frames keep the sensor's order, also where viewers
-    rotate a video or photo.
+    which adds errors of 0.1 px and 0.3 degrees to a pose. Frames keep the sensor's order, also
+    where viewers rotate a video or photo.
 
     Examples
     --------

@@ -131,8 +131,8 @@ class VideoWriter:
     smaller, for viewing; browsers play ``.webm``. Both formats blur the markers' edges by a
     fraction of a pixel, which shifts a pose by about 0.2 px and 0.3 degrees.
 
-    Frames of a simulation contain the number of drawn headings. The file stores this number for
-    `robsim.Recording`, in a note at its end. Arrays have no such number.
+    Frames of a simulation contain the number of headings in which the robot can be drawn. The file
+    stores this number for `robsim.Recording`, in a note at its end. Arrays have no such number.
 
     The file gets its name when it is complete: at the end of the ``with`` block, also after an
     exception. Frames written before an exception are playable.

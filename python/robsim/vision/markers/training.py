@@ -121,7 +121,7 @@ def train_markers(
         The positions of the markers on the robot.
     colors : path, iterable of ColorClass, optional
         The initial colours, including the markers'. Default: the colours shipped with robsim.
-        Detections by the second chance (see `Detection`) are sufficient.
+        It is sufficient if these find the robot by the second chance; see `Detection`.
     regions : dict of str to tuple of four ints, optional
         Instead of `colors`: the region of each marker colour, such as ``"red"`` and ``"blue"``, in
         the first frame (px).
@@ -132,7 +132,7 @@ def train_markers(
     -------
     tuple of TrainedColor
         The colours of both markers in the order of their roles, right before left, or front before
-        back. Each colour has its drift from frame to frame.
+        back. Each colour includes its drift from frame to frame.
 
     Raises
     ------

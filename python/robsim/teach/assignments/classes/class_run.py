@@ -191,8 +191,8 @@ def grade_class(
     Warns
     -----
     UserWarning
-        If the folder has other files than submissions, such as tables. If results are in folders
-        with other names than the students. If groups have no submission. If `out` has results of
+        If the folder has files other than submissions, such as tables. If a student's results are
+        in a folder with another name. If groups have no submission. If `out` has results of
         students without a submission.
 
     Examples

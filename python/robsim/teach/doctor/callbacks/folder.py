@@ -81,7 +81,7 @@ class FolderReport(CheckReport):
 
     @property
     def verdicts(self) -> dict[str, str]:
-        """The verdict by slot: ``"well"``, ``"ill"``, ``"remark"``, or the entry of `checks`."""
+        """The verdict by slot: ``"well"``, ``"ill"``, ``"remark"``, or the text in `checks`."""
         return {slot: _verdict(check) for slot, check in self.checks.items()}
 
 

@@ -92,7 +92,7 @@ class FollowTask(DrivingTask):
     def score(self, trace: Trace) -> dict[str, float]:
         """Return error, time and missed waypoints; an incomplete path has no error and no time.
 
-        A robot that does not move has no distance from the path.
+        Without this rule, a robot that does not move would have an error of 0.
         """
         check_trace(trace, "pose_true")
         if self.broken_rule(trace) is not None:

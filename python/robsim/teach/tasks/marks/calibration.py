@@ -282,7 +282,7 @@ class TaskCalibration(Report):
         Raises
         ------
         ValueError
-            If the record has another content.
+            If the record has different content.
         """
         if not isinstance(record, Mapping) or record.get("format") != FORMAT:
             raise ValueError(f"record must have format {FORMAT}, got {quoted(record)}")
