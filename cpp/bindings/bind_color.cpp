@@ -134,7 +134,7 @@ Raises
 ------
 TypeError, ValueError
     For an image or a region of the wrong type or shape, a region outside the image, or options out
-    of range. Also for a grey region, which only Y can distinguish: see `limit_y`.
+    of range. Also raised for a grey region, which only Y can distinguish: see `limit_y`.
 
 Notes
 -----

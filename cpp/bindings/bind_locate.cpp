@@ -289,8 +289,8 @@ Search the blobs for the markers of a robot; report the misfit, or the reason fo
 
 The pair has a blob of each of the two colours, and is chosen based on the blobs' distance and
 areas. Blobs at the border of the frame are not used, because they may be cut off. Noise and other
-objects may cause many blobs that resemble the markers. A pair is then accepted only if hardly any
-pair of the other blobs would fit as well by chance [1]_: if the floor shows only noise, a pose is
+objects may cause many blobs that resemble the markers. A pair is then accepted only if a pair of
+other blobs would rarely fit as well by chance [1]_. So if the floor shows only noise, a pose is
 reported in at most one or two of 100 frames.
 
 Parameters

@@ -312,7 +312,7 @@ ValueError
 
   Class<MotorReceiver, ReceivedInput, std::shared_ptr<MotorReceiver>>(
       public_in(module, "robsim.lab"), "MotorReceiver", R"(
-The robot's end of a line, which reads inputs by the protocol of PROTOCOL.md in a separate thread.
+The robot's end of a motor line: a separate thread reads inputs by the protocol of PROTOCOL.md.
 
 The receiver replaces a robot in rehearsals and tests. It stops the motors if it receives no valid
 line within the time to live set by the sender.

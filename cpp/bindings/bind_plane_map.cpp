@@ -280,7 +280,7 @@ height : float
 Returns
 -------
 PlaneMap
-    Map between pixels and the positions on the work area that lie vertically below the points.
+    Map between the pixels of points at this height and the positions vertically below them.
 
 Raises
 ------

@@ -197,7 +197,7 @@ class PlaneMap:
         Returns
         -------
         PlaneMap
-            Map between pixels and the positions on the work area that lie vertically below the points.
+            Map between the pixels of points at this height and the positions vertically below them.
         
         Raises
         ------
@@ -832,7 +832,7 @@ class ColorClass:
         ------
         TypeError, ValueError
             For an image or a region of the wrong type or shape, a region outside the image, or options out
-            of range. Also for a grey region, which only Y can distinguish: see `limit_y`.
+            of range. Also raised for a grey region, which only Y can distinguish: see `limit_y`.
         
         Notes
         -----
@@ -1709,8 +1709,9 @@ class Step:
     """
     The data of a step for the robot's software, read-only. Each stage adds its result.
     
-    A step that you create yourself can test a callback without a simulation. A copy has the frame, if
-    it still exists, but no `estimator`. Steps with the same numbers are equal; frames are not compared.
+    A step that you create yourself can test a callback without a simulation. A copy contains the frame,
+    if it still exists, but no `estimator`. Steps with the same numbers are equal; frames are not
+    compared.
     
     Parameters
     ----------
@@ -2154,7 +2155,7 @@ class ReceivedInput:
         """
 class MotorReceiver(ReceivedInput):
     """
-    The robot's end of a line, which reads inputs by the protocol of PROTOCOL.md in a separate thread.
+    The robot's end of a motor line: a separate thread reads inputs by the protocol of PROTOCOL.md.
     
     The receiver replaces a robot in rehearsals and tests. It stops the motors if it receives no valid
     line within the time to live set by the sender.
@@ -2916,8 +2917,8 @@ def detect(blobs: collections.abc.Mapping[str, collections.abc.Sequence[Blob]], 
     
     The pair has a blob of each of the two colours, and is chosen based on the blobs' distance and
     areas. Blobs at the border of the frame are not used, because they may be cut off. Noise and other
-    objects may cause many blobs that resemble the markers. A pair is then accepted only if hardly any
-    pair of the other blobs would fit as well by chance [1]_: if the floor shows only noise, a pose is
+    objects may cause many blobs that resemble the markers. A pair is then accepted only if a pair of
+    other blobs would rarely fit as well by chance [1]_. So if the floor shows only noise, a pose is
     reported in at most one or two of 100 frames.
     
     Parameters

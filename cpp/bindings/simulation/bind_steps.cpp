@@ -150,8 +150,9 @@ void bind_steps(py::module_& module) {
   Class<Step, std::shared_ptr<Step>> step(public_in(module, "robsim"), "Step", R"(
 The data of a step for the robot's software, read-only. Each stage adds its result.
 
-A step that you create yourself can test a callback without a simulation. A copy has the frame, if
-it still exists, but no `estimator`. Steps with the same numbers are equal; frames are not compared.
+A step that you create yourself can test a callback without a simulation. A copy contains the frame,
+if it still exists, but no `estimator`. Steps with the same numbers are equal; frames are not
+compared.
 
 Parameters
 ----------

@@ -183,8 +183,8 @@ std::vector<TraceGroup> make_schema() {
             "Signal-to-noise ratio of the markers' edges (N,): a pose is reliable from 4 on."),
       zero_where_missing(group("missed", {}, {{"missed", ""}},
                                "Number of the reason why the default measurement did not detect "
-                               "the robot (N,), as text in `missed_reasons`; 0 = detected, or no "
-                               "measurement.")),
+                               "the robot (N,); 0 = detected, or no measurement. "
+                               "`missed_reasons` gives the reason as text.")),
       group("covariance", {3, 3}, covariances("cov_"),
             "Covariance of the estimated pose (N, 3, 3)."),
       group("parameters", {3, 5}, model_parameters(),

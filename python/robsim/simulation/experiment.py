@@ -88,11 +88,11 @@ class Experiment(Runner):
     frame_timeout : float, optional
         Maximum time from the arrival of a frame until the next one is taken (s), ten times as long
         for the first. After this time the robot is stopped, and the run ends with a TimeoutError.
-        The limit covers late frames and slow callbacks, and also callbacks that hold the
-        interpreter, if `send` works without the interpreter. A watchdog in a separate thread stops
-        the robot, also between calls of `step`. Default: three times the ``dt`` of the frames, but
-        at least 0.1 s, or 1 s if the ``dt`` is unknown. This default grows to twice the longest
-        time between two frames, up to 0.3 s. Without `send` there is no limit (inf).
+        The limit covers late frames and slow callbacks. If `send` works without the interpreter,
+        the limit also covers callbacks that hold the interpreter. A watchdog in a separate thread
+        stops the robot, also between calls of `step`. Default: three times the ``dt`` of the
+        frames, but at least 0.1 s, or 1 s if the ``dt`` is unknown. This default grows to twice the
+        longest time between two frames, up to 0.3 s. Without `send` there is no limit (inf).
     limits : robsim.lab.Limits, optional
         Limits on the inputs, applied before sending. ``step.u`` and the trace have the inputs as
         sent.

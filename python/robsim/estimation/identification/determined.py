@@ -93,7 +93,7 @@ class Identifiability(Report):
         return np.char.add(self.verdicts, suffixes)
 
     def names(self, verdict: str) -> list[str]:
-        """Return the names of the parameters with a verdict: ``["a1X", ...]``.
+        """Return the names of the parameters with this verdict: ``["a1X", ...]``.
 
         Parameters
         ----------

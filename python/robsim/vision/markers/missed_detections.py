@@ -68,7 +68,7 @@ class SmallMarkersWarning(UserWarning):
 
     @property
     def signal_to_noise(self) -> float:
-        """Expected signal-to-noise ratio of the markers in good light, reliable from 4 on."""
+        """Expected signal-to-noise ratio of the markers in good light; a pose needs at least 4."""
         return expected_signal_to_noise(self.width, self.noise)
 
     @property

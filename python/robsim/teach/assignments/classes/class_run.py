@@ -136,8 +136,8 @@ def grade_class(
 ) -> ClassResult:
     """Grade a class, and write the results.
 
-    The function writes results after each test, and does not repeat unchanged submissions and tests
-    that `out` already has. So the same call continues a cancelled grading.
+    The function writes results after each test. A test with a result in `out` runs again only if
+    the test or the submission has changed. So the same call continues a cancelled grading.
 
     The teacher edits ``by_hand.csv`` in `out`: late days, points that replace the tests' points, a
     comment, and the points of `Assignment.by_hand`. This function adds students to the table, and
