@@ -182,7 +182,7 @@ std::vector<TraceGroup> make_schema() {
       group("signal_to_noise", {}, {{"signal_to_noise", ""}},
             "Signal-to-noise ratio of the markers' edges (N,): a pose is reliable from 4 on."),
       zero_where_missing(group("missed", {}, {{"missed", ""}},
-                               "Number of the reason why the default measurement did not detect "
+                               "Code of the reason why the default measurement did not detect "
                                "the robot (N,); 0 = detected, or no measurement. "
                                "`missed_reasons` gives the reason as text.")),
       group("covariance", {3, 3}, covariances("cov_"),

@@ -65,8 +65,8 @@ class CampaignSummary(Report):
     over dozens of runs, and for numbers without far outliers. The intervals of differences are
     narrower than the intervals of the means suggest, since the runs of all cases have the same
     seeds. Each interval holds for a single comparison: of twenty differences, one is expected
-    outside its 95 % interval. Adding runs until an interval excludes 0 finds differences that do
-    not exist.
+    outside its 95 % interval. If you add runs until an interval excludes 0, you find differences
+    that do not exist.
     """
 
     by: tuple[str, ...]

@@ -246,8 +246,8 @@ def pose_bounds(trace: Trace, *, Q: ArrayLike, R: ArrayLike, P0: ArrayLike) -> F
     Parameters
     ----------
     trace : Trace
-        The run, without a bounce. If the run measured the pose, only the steps with a measurement
-        count as measured; otherwise all steps do.
+        The run, without a bounce. If the run measured the pose, the bound uses the
+        steps with a measurement; otherwise it uses all steps.
     Q : array (3, 3)
         Covariance of the process noise of the pose in each step; 0 for a run without process noise.
     R : array (3, 3)

@@ -290,7 +290,7 @@ def _marks(pixels: Any, positions: Any, names: Any) -> tuple[Floats, Floats, lis
     called = [str(n + 1) for n in range(len(seen))] if names is None else list(names)
     if len(called) != len(seen):
         raise ValueError(
-            f"names must have the same length as pixels, got {len(called)} and {len(seen)}"
+            f"names and pixels must have the same length, got {len(called)} and {len(seen)}"
         )
     groups = {name: [i for i, one in enumerate(called) if one == name] for name in called}
     if len(groups) < _FEWEST:

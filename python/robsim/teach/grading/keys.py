@@ -109,7 +109,7 @@ class Key:
         Raises
         ------
         FileExistsError
-            If the file exists, since the runs of its key could not be repeated with another key.
+            If the file exists. With another key, the runs of its key could not be repeated.
         """
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
         descriptor = os.open(as_path(path), flags, 0o600)

@@ -237,7 +237,7 @@ def check_solutions(chosen: Sequence[Solution]) -> None:
     wrong = [one.name for one in chosen if not one.is_right]
     if NAIVE not in wrong:
         raise ValueError(
-            f"solutions must have a wrong solution {NAIVE!r}, which gets no points, got "
+            f"solutions must include {NAIVE!r}, a wrong solution that gets no points, got "
             f"{quoted(wrong)}"
         )
 
