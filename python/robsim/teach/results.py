@@ -93,11 +93,6 @@ class ScoreResult:
         return self.statistic <= self.limit and not is_small
 
 
-def lost_share(score: ScoreResult) -> float:
-    """Return the share of the points that a score loses; 0 = all points."""
-    return 0.0 if score.is_met else (1 - score.fraction) * (score.share or 1.0)
-
-
 @dataclass(frozen=True, kw_only=True)
 class FailedRun:
     """A failed run: its number and the submission's failure.

@@ -22,7 +22,6 @@ from robsim.teach.results import (
     ScoreResult,
     SubmissionResult,
     TestResult,
-    lost_share,
     number,
     of_most,
 )
@@ -164,8 +163,6 @@ def needed(score: ScoreResult) -> str:
         return met if score.fraction < 1 else ""
     if score.low is not None and score.statistic < score.low:
         return f"All points need {_ratio(score.low / score.statistic)} times as much."
-    if all(map(math.isnan, score.values)):
-        return "All points need runs with a value."
     part = score.limit / score.statistic
     own = _typical(score.values)
     if not score.share:
@@ -192,16 +189,6 @@ def _right(lost: float) -> float:
     return max(1 - lost / 100, 1e-3)
 
 
-_NO_VALUE = "no value"
-
-
-def worst_of(score: ScoreResult, runs: Sequence[tuple[float, int, str]]) -> str:
-    """Return a sentence on the worst of several runs in a score; "" = there is only one."""
-    if without := sum(map(math.isnan, score.values)):
-        return f"{without} of {len(score.values)} runs have no value, and count as the worst."
-    return f"Run {runs[-1][1]} is the worst in this score, with {runs[-1][2]}." if runs[1:] else ""
-
-
 def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]]:
     """Return the completed runs: place on the axis of the statistic, number, value.
 
@@ -213,7 +200,7 @@ def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]
     for run, value, reference in zip(through, score.values, score.reference, strict=False):
         place, said = value, f"{value:.3g} {score.unit}".rstrip()
         if not math.isfinite(value):
-            place, said = math.inf, _NO_VALUE
+            place, said = math.inf, "no value"
         elif not score.share:
             place = _right(reference) / _right(value)
         elif score.low is None:
@@ -298,12 +285,6 @@ def _reason(run: FailedRun) -> str:
     return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
 
 
-def _is_worst(run: int, score: ScoreResult, test: TestResult) -> bool:
-    """Return whether the score loses points, most in this run."""
-    worst = [(number, said) for _, number, said in runs_of(score, test)[-1:]]
-    return lost_share(score) > 0 and any(one == run and said != _NO_VALUE for one, said in worst)
-
-
 def caption_text(test: TestResult) -> str:
     if test.picture is None and test.failed:
         if test.worst is None:
@@ -311,11 +292,7 @@ def caption_text(test: TestResult) -> str:
         return f"No picture: run {test.worst} failed in its first step."
     if test.worst is None:
         return test.caption
-    which = "the worst"
-    if test.worst in {run.run for run in test.failed}:
-        which = "until it failed"
-    elif costly := [score for score in test.scores if _is_worst(test.worst, score, test)]:
-        which = f"the worst in {max(costly, key=lost_share).title}"
+    which = "until it failed" if test.worst in {run.run for run in test.failed} else "the worst"
     return f"Run {test.worst}, {which}. {test.caption}".rstrip()
 
 

@@ -9,15 +9,7 @@ from typing import Any
 
 from robsim.teach.assignments.assignment import TaskTest
 from robsim.teach.errors import EXIT, TIMEOUT, AssignmentError
-from robsim.teach.results import (
-    FAILED,
-    PARTIAL,
-    PASSED,
-    FailedRun,
-    ScoreResult,
-    TestResult,
-    lost_share,
-)
+from robsim.teach.results import FAILED, PARTIAL, PASSED, FailedRun, ScoreResult, TestResult
 from robsim.teach.tasks.score import Score, ScoreLimit, share_of_points
 from robsim.teach.texts import clean_line
 
@@ -115,27 +107,20 @@ def _scored(
 
 
 def runs_by_badness(test: TaskTest, mark: Mark) -> list[int]:
-    """Return the numbers of the completed runs, the worst run of the costliest score last.
+    """Return the numbers of the completed runs, the worst run of the costliest score last."""
+    scores = dict(zip(mark.scores, test.task.scores, strict=True))
+    lost = max(mark.scores, key=_loss)
 
-    Of runs that are equal in this score, the next costly one decides.
-    """
-    scores = [*zip(mark.scores, test.task.scores, strict=True)]
-    scores.sort(key=lambda pair: -lost_share(pair[0]))
-
-    def badness(place: int) -> list[float]:
-        found = []
-        for score, kind in scores:
-            value, reference = score.values[place], score.reference[place]
-            one = kind.statistic((value,), (reference,))
-            one = abs(math.log(one)) if score.low is not None else one
-            # A statistic has bounds; beyond these the ratio decides.
-            ratio = value / (reference or 1.0)
-            found += [math.inf, math.inf] if math.isnan(value) else [one, ratio]
-        return found
+    def badness(values: tuple[int, float, float]) -> float:
+        _, value, reference = values
+        one = scores[lost].statistic((value,), (reference,))
+        return abs(math.log(one)) if lost.low is not None else one
 
     failed = {run.run for run in mark.failed}
     runs = [run for run in range(mark.runs) if run not in failed]
-    return [runs[place] for place in sorted(range(len(runs)), key=badness)]
+    return [
+        one[0] for one in sorted(zip(runs, lost.values, lost.reference, strict=True), key=badness)
+    ]
 
 
 def run_to_show(mark: Mark | TestResult, through: list[int]) -> int | None:
@@ -188,17 +173,22 @@ def _of_scores(
     scores: Sequence[ScoreResult], through: int, *, public: bool, is_passed: bool
 ) -> str:
     lost = [replace(score, title=_subject(score)) for score in scores if not score.is_met]
-    lost.sort(key=lost_share, reverse=True)
+    lost.sort(key=_loss, reverse=True)
     if not lost:
         if is_passed:
             return "All scores are as good as required."
         return "The other scores were as good as required."
     if public:
-        return _missing(lost, through) or _told(lost[0], through)
+        return _told(lost[0], through)
     told: dict[str, list[str]] = {}
     for score in lost:
         told.setdefault(_direction(score), []).append(f"the {score.title}")
     return " ".join(_are(titles, direction) for direction, titles in told.items())
+
+
+def _loss(score: ScoreResult) -> float:
+    """Return the points that a score loses; 0 = all points."""
+    return 0.0 if score.is_met else (1 - score.fraction) * (score.share or 1.0)
 
 
 def _are(titles: list[str], direction: str) -> str:
@@ -215,19 +205,6 @@ def _subject(score: ScoreResult) -> str:
 
 def _direction(score: ScoreResult) -> str:
     return "too small" if score.low is not None and score.statistic < score.low else "too large"
-
-
-def _missing(lost: Sequence[ScoreResult], runs: int) -> str:
-    """Return sentences on the costliest score where runs have no number; "" = all have one."""
-    missing = sum(map(math.isnan, lost[0].values))
-    if not missing:
-        return ""
-    told = f"{missing} of {runs} runs have no {lost[0].title}, and count as the worst."
-    for score in lost[1:]:
-        if not any(map(math.isnan, score.values)):
-            ends = dict.fromkeys(f"{end(score.values):.3g}" for end in (min, max))
-            return f"{told} The {score.title} is {' to '.join(ends)} {score.unit}".rstrip() + "."
-    return told
 
 
 def _told(score: ScoreResult, runs: int) -> str:
