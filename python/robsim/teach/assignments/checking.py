@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -17,15 +18,15 @@ from robsim.campaigns.engines.engine import Engine, engine_value
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.simulation.runner import progress_bar
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.assignment_file import FILE, load_assignment
+from robsim.teach.assignments.assignment_file import load_assignment
 from robsim.teach.assignments.classes.plan import Plan, plan_of
 from robsim.teach.assignments.limits_file import RecordedTest, read_limits
+from robsim.teach.assignments.making import SHEET
 from robsim.teach.assignments.packing.public_part import public_part
 from robsim.teach.assignments.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
-from robsim.teach.assignments.sheet import SHEET, compare_sheet, told_task
 from robsim.teach.errors import AssignmentError
 from robsim.teach.results import ERROR, SubmissionResult, TestResult, number
-from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration, changes
+from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration
 
 #: A submission with an unexpected result is graded twice more with other seeds: two of three count.
 _TRIES = 3
@@ -126,7 +127,6 @@ def _still(assignment: Assignment) -> Iterator[Finding]:
     for test in assignment.tests:
         yield _limits(test, recorded.get(test.name, RecordedTest()).calibration)
     yield _sheet(assignment)
-    yield from _others(assignment)
     yield _public(assignment)
 
 
@@ -144,25 +144,19 @@ def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
 def _sheet(assignment: Assignment) -> Finding:
     file = assignment.folder / SHEET
     text = file.read_text("utf-8", "replace") if file.is_file() else ""
-    expected = "names slots and numbers"
+    expected = "names slots and points"
     if missing := listed(slot for slot in assignment.slots if slot not in text):
         wrong = f"{SHEET} does not mention {missing}: describe each slot"
         return Finding(SHEET, expected, f"not {missing}", wrong)
-    wrong, names = compare_sheet(assignment)
-    if wrong:
-        return Finding(SHEET, expected, "other numbers", f"{SHEET} differs from {FILE}: {wrong}")
-    note = f"no row for {listed(f'`{name}`' for name in names)}" if names else ""
-    return Finding(SHEET, expected, "names them", note=note)
-
-
-def _others(assignment: Assignment) -> Iterator[Finding]:
-    """Yield for each test of the task in the sheet whether it has the same numbers."""
-    told = told_task(assignment) if assignment.tests else None
+    lines = [re.split(r"\s*\|\s*", line) for line in text.splitlines()]
     for test in assignment.tests:
-        if told is not None and test.task is not told and test.task.name == told.name:
-            changed = changes(test.task.parameters, told.parameters)
-            got = "others" if changed else "the same"
-            yield Finding(f"numbers of {test.name}", "as in the sheet", got, note=changed)
+        # A row of the table in a new sheet; a sheet without it may state the points in text.
+        told = next((cells[2] for cells in lines if len(cells) > 3 and cells[1] == test.title), "")
+        if told not in ("", number(test.points)):
+            got = f"{told} points for {test.name}"
+            wrong = f"{SHEET} has {got}, and assignment.toml {number(test.points)}"
+            return Finding(SHEET, expected, got, wrong)
+    return Finding(SHEET, expected, "names them")
 
 
 def _public(assignment: Assignment) -> Finding:

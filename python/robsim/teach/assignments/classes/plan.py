@@ -93,15 +93,10 @@ def names_of(only: Iterable[str] | str) -> list[str]:
     return list(names)
 
 
-def check_fits(test: TaskTest) -> None:
-    """Raise AssignmentError if the limits of a test belong to another task or other solutions."""
-    if test.stale:
-        raise AssignmentError(f"the limits of the test {test.name}: {test.stale}", file=LIMITS)
-
-
 def _check_usable(test: TaskTest, references: References) -> None:
     """Raise AssignmentError unless a test has limits, and its reference runs."""
-    check_fits(test)
+    if test.stale:
+        raise AssignmentError(f"the limits of the test {test.name}: {test.stale}", file=LIMITS)
     for score in test.task.scores:
         limit_of(test, score)
         known = test.reference_values.get(score.name)
