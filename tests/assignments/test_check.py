@@ -1,6 +1,7 @@
 """The check of an assignment finds what would be found when marks are out."""
 
 import json
+import re
 import shutil
 from types import SimpleNamespace
 
@@ -11,7 +12,7 @@ from robsim.teach import check_assignment, load_assignment, new_assignment
 from robsim.teach.assignments import checking as check
 from robsim.teach.assignments import rehearsal
 from robsim.teach.tasks.marks.calibration import shipped_calibrations
-from small_assignments import LIMITS
+from small_assignments import LIMITS, retell
 
 TIGHT = {"position": {"full": 1.0001, "zero": 1.0002}}
 WIDE = {"position": {"full": 900.0, "zero": 1000.0}, "heading": {"full": 900.0, "zero": 1000.0}}
@@ -26,6 +27,7 @@ def made(tmp_path_factory):
     file = folder / "assignment.toml"
     text = file.read_text().replace("steps = 60", "steps = 20").replace("runs = 10", "runs = 2")
     file.write_text(text.partition("# Tests of your own")[0])
+    retell(folder, steps=20, runs=2)
     return folder
 
 
@@ -158,6 +160,22 @@ def test_what_is_still_is_looked_at_before_anything_is_run(folder, cast):
     assert "7" in found["sheet.md"]
     (folder / "sheet.md").write_text("Do it.")
     assert "estimate_state" in problems(folder)["sheet.md"]
+
+
+def test_a_number_of_the_sheet_belongs_to_the_tests(folder, cast):
+    cast("nothing")
+    write_limits(folder, {})
+    assert "sheet.md" not in problems(folder)
+    toml, sheet = folder / "assignment.toml", folder / "sheet.md"
+    toml.write_text(re.sub("dropout = .*", "dropout = 0.3", toml.read_text(), count=1))
+    assert re.search(r"dropout is 0\.\d+, must be 0\.3", problems(folder)["sheet.md"])
+    retell(folder, dropout=0.3)
+    sheet.write_text(sheet.read_text().replace("| `runs` | `2` |", "Two runs."))
+    report = check_assignment(folder, progress=False)
+    assert "sheet.md" not in {one.kind for one in report.problems}
+    notes = {title: row["verdict"] for title, row in report.tables[0].records()}
+    assert notes["sheet.md"] == "no row for `runs`"
+    assert notes["numbers of hidden"] == "dropout (0.2, not 0.3)"
 
 
 @pytest.mark.long

@@ -11,7 +11,7 @@ from robsim.cli import assignment as commands
 from robsim.cli import grade
 from robsim.teach import SubmissionResult, grade_class, load_assignment, regrade_class
 from robsim.teach.reports import marks_table
-from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, solution
+from small_assignments import PATIENT, TESTS, assignment, drawn_quickly, retell, solution
 from submissions import packed
 
 # --- the examples of the commands
@@ -38,6 +38,7 @@ def test_the_examples_lead_from_a_new_folder_to_marks(tmp_path, monkeypatch):
     file = folder / "assignment.toml"
     text = file.read_text().replace("runs = 10", "runs = 2").replace("steps = 150", "steps = 20")
     file.write_text(text.partition("# Tests of your own")[0])
+    retell(folder, steps=20, runs=2)
     for wrong in (folder / "solutions/park/wrong").iterdir():
         if wrong.name != "naive":
             shutil.rmtree(wrong)

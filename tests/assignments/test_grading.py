@@ -169,6 +169,19 @@ def test_a_lost_score_is_told_in_a_sentence():
     assert told["heading", False] == "The error of the heading is too large."
 
 
+def test_runs_without_a_number_are_counted_and_the_next_costly_score_orders_them():
+    one = task("park", runs=3)
+    limits = {score.name: ScoreLimit(full=1.5, zero=3.0) for score in one.scores}
+    test = TaskTest(name="t", title="T", task=one, points=1, limits=limits)
+    met = {score.name: [10.0] * 3 for score in one.scores}
+    mark = marking.mark_of(
+        test, (), met | {"settling": [math.nan] * 3, "heading": [60, 80, 25]}, met
+    )
+    told = "3 of 3 runs have no settling time at the pose, and count as the worst."
+    assert mark.sentence == f"{told} The heading error at the end is 25 to 80 deg."
+    assert marking.runs_by_badness(test, mark) == [2, 0, 1]
+
+
 def test_a_run_that_fails_is_played_up_to_there(graded_class, tmp_path):
     hw3 = graded_class.assignment
     again = play_run(hw3, graded_class.submissions / "s003", "hidden", 1)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -13,13 +14,14 @@ import pytest
 from commands import command
 from robsim.teach import (
     AssignmentError,
+    ParkTask,
     load_assignment,
     new_assignment,
     pack_gradescope,
     pack_students,
 )
 from robsim.teach.assignments.packing.autograder import student_in
-from small_assignments import LIMITS, solution
+from small_assignments import LIMITS, retell, solution
 
 REFERENCE = "assignment/solutions/estimate/right/reference"
 on_unix = pytest.mark.skipif(sys.platform == "win32", reason="they are scripts of bash")
@@ -31,6 +33,7 @@ def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("made") / "hw1"
     new_assignment("estimate", folder, seed=1)
     change(folder, ("steps = 60", "steps = 20"), ("runs = 10", "runs = 2"))
+    retell(folder, steps=20, runs=2)
     tests = {name: {"limits": LIMITS, "power": 1.0} for name in ("public", "hidden")}
     (folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
     return folder
@@ -89,6 +92,26 @@ def test_a_folder_is_written_once_and_the_same_files_give_the_same_zip(calibrate
         pack_students(calibrated, tmp_path / "out")
     first, second = (pack_students(calibrated, tmp_path / f"{i}.zip") for i in range(2))
     assert first.read_bytes() == second.read_bytes()
+
+
+def test_students_get_the_numbers_of_the_tests(tmp_path):
+    made = new_assignment("park", tmp_path / "hw1", seed=1)
+    goal = list(made.tests[0].task.goal)
+    change(made.folder, ("runs = 10", "runs = 5"), (f"goal = {goal}", "goal = [450, 250, 1.57]"))
+    shown = made.tests[0].task.goal
+    text = re.escape(f"runs (5, not 10), goal ([450.0, 250.0, 1.57], not {goal}): calibrate")
+    with pytest.raises(AssignmentError, match=f"limits of the test public: .* in {text}"):
+        pack_students(load_assignment(made.folder), tmp_path / "out")
+    limits = {score.name: {"full": 2.0, "zero": 4.0} for score in ParkTask.scores}
+    tests = {name: {"limits": limits} for name in ("public", "hidden")}
+    (made.folder / "limits.json").write_text(json.dumps({"format": 1, "tests": tests}))
+    text = re.escape(f"GOAL is {shown}, must be (450.0, 250.0, 1.57); runs is 10, must be 5")
+    with pytest.raises(AssignmentError, match=rf"sheet\.md differs.*: {text}"):
+        pack_students(load_assignment(made.folder), tmp_path / "out")
+    retell(made.folder, GOAL="(450, 250, 1.57)", runs=5)
+    (made.folder / "start/task.py").write_text(f"GOAL = {shown}\n")  # of an older robsim
+    pack_students(load_assignment(made.folder), tmp_path / "out")
+    assert "GOAL = (450.0, 250.0, 1.57)\n" in (tmp_path / "out/start/task.py").read_text()
 
 
 def test_hidden_tests_of_the_teachers_own_stay_here(calibrated, tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -18,15 +17,15 @@ from robsim.campaigns.engines.engine import Engine, engine_value
 from robsim.campaigns.engines.executors import DaskClient
 from robsim.simulation.runner import progress_bar
 from robsim.teach.assignments.assignment import Assignment, TaskTest
-from robsim.teach.assignments.assignment_file import load_assignment
+from robsim.teach.assignments.assignment_file import FILE, load_assignment
 from robsim.teach.assignments.classes.plan import Plan, plan_of
 from robsim.teach.assignments.limits_file import RecordedTest, read_limits
-from robsim.teach.assignments.making import SHEET
 from robsim.teach.assignments.packing.public_part import public_part
 from robsim.teach.assignments.rehearsal import FULL, LESS, NOTHING, Part, cast_of, graded
+from robsim.teach.assignments.sheet import SHEET, compare_sheet, told_task
 from robsim.teach.errors import AssignmentError
 from robsim.teach.results import ERROR, SubmissionResult, TestResult, number
-from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration
+from robsim.teach.tasks.marks.calibration import MOST_OF_WRONG, TaskCalibration, changes
 
 #: A submission with an unexpected result is graded twice more with other seeds: two of three count.
 _TRIES = 3
@@ -126,6 +125,9 @@ def _still(assignment: Assignment) -> Iterator[Finding]:
     recorded = read_limits(assignment.folder)
     for test in assignment.tests:
         yield _limits(test, recorded.get(test.name, RecordedTest()).calibration)
+        told, own = told_task(assignment), test.task
+        if told.name == own.name and (changed := changes(own.parameters, told.parameters)):
+            yield Finding(f"numbers of {test.name}", "as in the sheet", "others", note=changed)
     yield _sheet(assignment)
     yield _public(assignment)
 
@@ -144,19 +146,15 @@ def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
 def _sheet(assignment: Assignment) -> Finding:
     file = assignment.folder / SHEET
     text = file.read_text("utf-8", "replace") if file.is_file() else ""
-    expected = "names slots and points"
+    expected = "names slots and numbers"
     if missing := listed(slot for slot in assignment.slots if slot not in text):
         wrong = f"{SHEET} does not mention {missing}: describe each slot"
         return Finding(SHEET, expected, f"not {missing}", wrong)
-    lines = [re.split(r"\s*\|\s*", line) for line in text.splitlines()]
-    for test in assignment.tests:
-        # A row of the table in a new sheet; a sheet without it may state the points in text.
-        told = next((cells[2] for cells in lines if len(cells) > 3 and cells[1] == test.title), "")
-        if told not in ("", number(test.points)):
-            got = f"{told} points for {test.name}"
-            wrong = f"{SHEET} has {got}, and assignment.toml {number(test.points)}"
-            return Finding(SHEET, expected, got, wrong)
-    return Finding(SHEET, expected, "names them")
+    wrong, names = compare_sheet(assignment)
+    if wrong:
+        return Finding(SHEET, expected, "other numbers", f"{SHEET} differs from {FILE}: {wrong}")
+    note = f"no row for {listed(f'`{name}`' for name in names)}" if names else ""
+    return Finding(SHEET, expected, "names them", note=note)
 
 
 def _public(assignment: Assignment) -> Finding:

@@ -27,65 +27,13 @@ from robsim.teach.assignments.assignment_file import (
     solutions_for,
 )
 from robsim.teach.assignments.from_notebook import notebook_files
+from robsim.teach.assignments.sheet import SHEET, sheet_for
 from robsim.teach.exercises.shipped import sources
 from robsim.teach.grading.keys import Key
-from robsim.teach.submissions.folder import size_text
-from robsim.teach.submissions.notebook.choosing import COUNTS
 from robsim.teach.tasks.by_name import task
 from robsim.teach.tasks.definition import Task
 from robsim.teach.tasks.marks.calibration import shipped_calibrations
 from robsim.teach.tasks.solutions import helpers, starting_files
-
-
-def sheet_for(assignment: Assignment) -> str:
-    return "\n\n".join(_parts(assignment)) + "\n"
-
-
-def _parts(assignment: Assignment) -> Iterator[str]:
-    test = assignment.tests[0]
-    yield test.task.sheet.partition("\n## Try it\n")[0].strip()
-    yield "## Points"
-    yield "\n".join(["| test | points | |", "| --- | --- | --- |", *_rows(assignment)])
-    yield (
-        "Hidden tests are the same tasks in unknown worlds; each student has different worlds."
-        if assignment.own_seeds
-        else "Hidden tests are the same tasks in unknown worlds."
-    )
-    yield "## Try it, hand it in"
-    yield (
-        "Begin with the files in `start/`: copy them to a folder `mine/`. Hand in that "
-        "folder, or a zip of it, a single Python file, or a notebook that defines "
-        f"{' and '.join(f'`{slot}`' for slot in assignment.slots)}. Put your own modules next to "
-        "these files, not in folders; also data files, which "
-        '`open("data.csv")` finds.'
-    )
-    limits = assignment.limits
-    yield (
-        f"A file may have {size_text(limits.submission_file_size)}, all files together "
-        f"{size_text(limits.submission_size)}. Reports (.pdf, .docx, .odt) may have any size."
-    )
-    yield COUNTS
-    yield (
-        f"A call may take {limits.call:g} s, the first call of a run {limits.first_call:g} s: a "
-        "run with a longer call has no points."
-    )
-    yield "```\nrobsim grade . mine --public\n```"
-    yield (
-        "runs the public tests exactly as in grading, and writes a page with "
-        "pictures of your errors. `robsim check mine` looks for mistakes in your files."
-    )
-
-
-def _rows(assignment: Assignment) -> Iterator[str]:
-    for test in assignment.tests:
-        who = "public" if test.public else "hidden"
-        yield f"| {test.title} | {test.points:g} | {who} |"
-    for file in assignment.files:
-        yield (
-            f"| tests in `{file.path.name}` | see its `pytest.mark.points` | public |"
-            if file.public
-            else f"| tests in `{file.path.name}` | others | hidden |"
-        )
 
 
 @dataclass(frozen=True)
@@ -141,7 +89,7 @@ def _drawn(ranges: Range | tuple[Any, ...], rng: np.random.Generator) -> Any:
     return tuple(_drawn(one, rng) for one in ranges)
 
 
-SHEET, START, OWN_TESTS = "sheet.md", "start", "own_tests.py"
+START, OWN_TESTS = "start", "own_tests.py"
 _FILES = Path(__file__).with_name("templates")
 _MOST_SEED = 2**63 - 1
 

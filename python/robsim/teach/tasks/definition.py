@@ -157,7 +157,8 @@ class Task(ABC):
             If a file cannot be written.
         """
         sheet = {"sheet.md": self.sheet.encode()}
-        return write_new_files(sheet | starting_files(self), folder)
+        module = {f"{MODULE}.py": module_source(self)}
+        return write_new_files(sheet | starting_files(self) | module, folder)
 
     def figure(self, trace: Trace, reference: Trace | None = None) -> Figure:
         """Draw a run: its path, and the errors of each step.
@@ -198,7 +199,7 @@ class Task(ABC):
     def sheet(self) -> str:
         """The sheet for students in Markdown, with the values of this task."""
         own = (_SHEETS / f"{self.name}.md").read_text(encoding="utf-8")
-        return "\n\n".join([own.format_map(self.parameters).strip(), *_common(self)]) + "\n"
+        return "\n\n".join([own.strip(), *_common(self, own)]) + "\n"
 
     @property
     def solutions(self) -> tuple[Solution, ...]:
@@ -276,14 +277,19 @@ _SAMPLE = (
 )
 
 
-def _common(task: Task) -> Iterator[str]:
+def table_of(values: Mapping[str, Any]) -> str:
+    """Return the table of a sheet with numbers by name."""
+    rows = (f"| `{name}` | `{value!r}` |" for name, value in values.items())
+    return "\n".join(["| name | value |", "| --- | --- |", *rows])
+
+
+def _common(task: Task, own: str) -> Iterator[str]:
     yield "## Your files"
     yield "\n".join(_files(task))
     yield "## Your inputs"
     example = f"`from task import {next(iter(task.values))}`"
     yield f"{' '.join(_given(task))} And from the module `task`, as {example}:"
-    rows = (f"| `{name}` | `{value!r}` |" for name, value in task.values.items())
-    yield "\n".join(["| name | value |", "| --- | --- |", *rows])
+    yield table_of(task.values)
     yield (
         "Each run has a separate seed, and so differs from others. You may import numpy, Python's "
         f"standard library, files of your own, and robsim without {listed(_masked(task))}. "
@@ -294,9 +300,9 @@ def _common(task: Task) -> Iterator[str]:
     rows = (f"| {one.title} | {one.unit} | {_share_of(one)} |" for one in task.scores)
     yield "\n".join(["| score | unit | share of the points |", "| --- | --- | --- |", *rows])
     yield (
-        f"Your code runs {task.runs} times for {task.steps} steps, and so does a reference in the "
-        "same runs. A score is the ratio of your number to the reference's, as the geometric mean "
-        "over the runs: about as good as the reference gives all points. A typical "
+        "Your code does a number of `runs`, each of `steps` steps, and so does a reference in the "
+        "same worlds. A score is the ratio of your number to the reference's, as the geometric "
+        "mean over the runs: about as good as the reference gives all points. A typical "
         "mistake, even the smallest, gives no points; the limit for this is at least 1.5 times the "
         "limit of all points. A run that ends with an error has no points."
     )
@@ -306,6 +312,9 @@ def _common(task: Task) -> Iterator[str]:
             "however exact the poses of other frames are. With half as many right poses as the "
             "reference there are no points."
         )
+    yield "The numbers of the runs, which the module `task` does not have:"
+    told = ("steps", "runs", *(name for name in task.parameters if f"`{name}`" in own))
+    yield table_of({name: task.parameters[name] for name in dict.fromkeys(told)})
     yield "## Try it"
     yield "\n".join(
         [

@@ -136,8 +136,8 @@ def module_source(task: Task) -> bytes:
 
 
 def starting_files(task: Task) -> dict[str, bytes]:
-    files = {file.name: file.read_bytes() for file in (_START / task.name).glob("*.py")}
-    return files | {f"{MODULE}.py": module_source(task)}
+    """Return the files of slots, without the module `task`."""
+    return {file.name: file.read_bytes() for file in (_START / task.name).glob("*.py")}
 
 
 def solutions_in(folder: str | PathLike[str], slots: tuple[str, ...]) -> tuple[Solution, ...]:

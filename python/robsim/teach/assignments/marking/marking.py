@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from robsim.teach.assignments.assignment import TaskTest
+from robsim.teach.assignments.limits_file import FILE
 from robsim.teach.errors import EXIT, TIMEOUT, AssignmentError
 from robsim.teach.results import FAILED, PARTIAL, PASSED, FailedRun, ScoreResult, TestResult
 from robsim.teach.tasks.score import Score, ScoreLimit, share_of_points
@@ -75,12 +76,14 @@ def labels_of(test: TaskTest) -> dict[str, Any]:
 
 
 def limit_of(test: TaskTest, score: Score) -> ScoreLimit:
-    """Return the limit of a score; raise AssignmentError if it is missing."""
+    """Return the limit of a score; raise AssignmentError if it is missing, or of another task."""
+    if test.stale:
+        raise AssignmentError(f"the limits of the test {test.name}: {test.stale}", file=FILE)
     if score.name not in test.limits:
         raise AssignmentError(
             f"the test {test.name} has no limit for {score.name}: calibrate first with "
             "robsim assignment calibrate",
-            file="limits.json",
+            file=FILE,
         )
     return test.limits[score.name]
 
@@ -107,20 +110,25 @@ def _scored(
 
 
 def runs_by_badness(test: TaskTest, mark: Mark) -> list[int]:
-    """Return the numbers of the completed runs, the worst run of the costliest score last."""
-    scores = dict(zip(mark.scores, test.task.scores, strict=True))
-    lost = max(mark.scores, key=_loss)
+    """Return the numbers of the completed runs, the worst run of the costliest score last.
 
-    def badness(values: tuple[int, float, float]) -> float:
-        _, value, reference = values
-        one = scores[lost].statistic((value,), (reference,))
-        return abs(math.log(one)) if lost.low is not None else one
+    Of runs that are equal in this score, the next costly one decides.
+    """
+    scores = [*zip(mark.scores, test.task.scores, strict=True)]
+    scores.sort(key=lambda pair: -_loss(pair[0]))
+
+    def badness(place: int) -> list[float]:
+        found = []
+        for score, kind in scores:
+            value, reference = score.values[place], score.reference[place]
+            one = kind.statistic((value,), (reference,))
+            one = abs(math.log(one)) if score.low is not None else one
+            found.append(math.inf if math.isnan(value) else one)
+        return found
 
     failed = {run.run for run in mark.failed}
     runs = [run for run in range(mark.runs) if run not in failed]
-    return [
-        one[0] for one in sorted(zip(runs, lost.values, lost.reference, strict=True), key=badness)
-    ]
+    return [runs[place] for place in sorted(range(len(runs)), key=badness)]
 
 
 def run_to_show(mark: Mark | TestResult, through: list[int]) -> int | None:
@@ -179,7 +187,7 @@ def _of_scores(
             return "All scores are as good as required."
         return "The other scores were as good as required."
     if public:
-        return _told(lost[0], through)
+        return _missing(lost, through) or _told(lost[0], through)
     told: dict[str, list[str]] = {}
     for score in lost:
         told.setdefault(_direction(score), []).append(f"the {score.title}")
@@ -205,6 +213,19 @@ def _subject(score: ScoreResult) -> str:
 
 def _direction(score: ScoreResult) -> str:
     return "too small" if score.low is not None and score.statistic < score.low else "too large"
+
+
+def _missing(lost: Sequence[ScoreResult], runs: int) -> str:
+    """Return sentences on the costliest score where runs have no number; "" = all have one."""
+    missing = sum(map(math.isnan, lost[0].values))
+    if not missing:
+        return ""
+    told = f"{missing} of {runs} runs have no {lost[0].title}, and count as the worst."
+    for score in lost[1:]:
+        if not any(map(math.isnan, score.values)):
+            ends = dict.fromkeys(f"{end(score.values):.3g}" for end in (min, max))
+            return f"{told} The {score.title} is {' to '.join(ends)} {score.unit}".rstrip() + "."
+    return told
 
 
 def _told(score: ScoreResult, runs: int) -> str:

@@ -14,12 +14,13 @@ from robsim.teach.assignments import limits_file
 from robsim.teach.assignments._own_tests.listing import list_own_tests
 from robsim.teach.assignments.assignment import Assignment, TaskTest
 from robsim.teach.assignments.assignment_file import FILE, GIVEN, KEY, SOLUTIONS
-from robsim.teach.assignments.making import SHEET, START
+from robsim.teach.assignments.making import START
 from robsim.teach.assignments.marking.marking import limit_of
 from robsim.teach.assignments.marking.references import References
+from robsim.teach.assignments.sheet import SHEET, told_task
 from robsim.teach.errors import AssignmentError
 from robsim.teach.results import finite
-from robsim.teach.tasks.solutions import NAIVE
+from robsim.teach.tasks.solutions import MODULE, NAIVE, module_source
 
 _SHORTEST = 12  # bytes of a solution; shorter ones may occur anywhere
 
@@ -50,6 +51,8 @@ def _files(assignment: Assignment) -> Iterator[tuple[str, bytes]]:
             yield str(file.path.relative_to(assignment.folder).as_posix()), file.path.read_bytes()
     for name in (START, GIVEN):
         yield from _below(assignment.folder, name)
+    if assignment.tests:  # from the parameters, instead of an older one
+        yield f"{START}/{MODULE}.py", module_source(told_task(assignment))
 
 
 def _public_toml(assignment: Assignment) -> str:

@@ -10,10 +10,13 @@ from robsim.base.files import as_path
 from robsim.base.text import listed, one_line
 from robsim.base.warn import warn_user
 from robsim.teach.assignments.assignment import Assignment, check_is_assignment
+from robsim.teach.assignments.assignment_file import FILE
 from robsim.teach.assignments.class_result import ClassResult
 from robsim.teach.assignments.making import write_below
 from robsim.teach.assignments.packing.gradescope import write_zip
 from robsim.teach.assignments.packing.public_part import public_part
+from robsim.teach.assignments.sheet import SHEET, compare_sheet
+from robsim.teach.errors import AssignmentError
 from robsim.teach.reports.words import OF_MOODLE
 from robsim.teach.reports.writing import PAGE, TEXT, folder_name
 
@@ -39,8 +42,8 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
     Raises
     ------
     AssignmentError
-        If the assignment has no public test, its limits are not calibrated, or a hidden part
-        would be public.
+        If the assignment has no public test, its limits are not calibrated for it, or a hidden part
+        would be public. If the sheet has other numbers than the tests.
     FileExistsError
         If the folder exists.
 
@@ -53,6 +56,8 @@ def pack_students(assignment: Assignment, path: str | PathLike[str]) -> Path:
     check_is_assignment(assignment)
     target = as_path(path)
     files = public_part(assignment)
+    if wrong := compare_sheet(assignment)[0]:
+        raise AssignmentError(f"{SHEET} differs from {FILE}: {wrong}", file=SHEET)
     if target.suffix == ".zip":
         write_zip(target, {f"{assignment.folder.name}/{name}": files[name] for name in files})
         return target

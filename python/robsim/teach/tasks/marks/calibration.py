@@ -156,6 +156,7 @@ class TaskCalibration(Report):
         of_solutions = solutions_digest(check_kinds("solutions", solutions, Solution))
         return replace(
             self,
+            parameters=task.parameters,
             task_digest=task_digest(task),
             solutions_digest=of_solutions,
             provisional=SHIPPED_TASK,
@@ -263,7 +264,9 @@ class TaskCalibration(Report):
             "solutions", task.solutions if solutions is None else solutions, Solution
         )
         if task_digest(task) != self.task_digest:
-            return "the task differs from the calibrated one: calibrate again"
+            changed = changes(task.parameters, self.parameters)
+            of_it = f" in {changed}" if changed else ""
+            return f"the task differs from the calibrated one{of_it}: calibrate again"
         if solutions_digest(chosen) != self.solutions_digest:
             return "the solutions differ from the calibrated ones: calibrate again"
         return None
@@ -307,6 +310,16 @@ def task_digest(task: Task) -> str:
             "values": dict(task.values),
             "scores": [asdict(score) | {"title": ""} for score in task.scores],
         }
+    )
+
+
+def changes(new: Mapping[str, Any], old: Mapping[str, Any]) -> str:
+    """Return the parameters that differ, as text with both values; "" = all are the same."""
+    new, old = json.loads(json.dumps([dict(new), dict(old)]))  # tuples become lists
+    return listed(
+        f"{name} ({value}, not {old.get(name)})"
+        for name, value in new.items()
+        if _rounded(value) != _rounded(old.get(name))
     )
 
 
