@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import re
 
 import numpy as np
@@ -201,10 +202,24 @@ def test_a_dot_has_the_number_of_its_run_and_lies_where_its_run_alone_would_be()
     assert at_limit[0] == full
     assert float(worst[0]) > float(none)
     assert worst[1] == "9"
-    assert "Run 9 is the worst, with 60 %" in Outline(page).text
+    assert "Run 9 is the worst in this score, with 60 %" in Outline(page).text
     unknown = score(values=(float("nan"), 9.0), reference=(2.0, 2.0))
     page = student_page(submission(tests=[graded(scores=(unknown,), failed=())]), {})
-    assert "Run 0 is the worst, with no value" in page
+    assert "1 of 2 runs have no value, and count as the worst." in page
+
+
+def test_a_picture_is_the_worst_in_a_score_whose_worst_run_is_the_same():
+    far = (2.0, 2.0, 9.0)
+    scores = (
+        score(values=(math.nan,) * 3),
+        score("heading", values=far, share=0.3),
+        score("met", statistic=1.0),
+    )
+    for worst, said in ((2, "Run 2, the worst in error of the heading."), (1, "Run 1, the worst.")):
+        test = graded(scores=scores, runs=3, failed=(), worst=worst)
+        for text in texts_of(submission(tests=[test])):
+            assert said in " ".join(text.split())
+            assert "All points need runs with a value." in " ".join(text.split())
 
 
 def test_of_a_score_that_loses_points_it_is_said_what_all_points_need():

@@ -263,5 +263,6 @@ def test_where_most_runs_do_not_arrive_there_is_no_median_of_times():
     arrived = replace(trial, values={**trial.values, "time": (8.0, 7.0)})
     assert [one.to_dict()["scores"]["time until the last waypoint"]["own"]
             for one in (trial, half, arrived)] == [None, None, 7.5]  # fmt: skip
-    remarks = [any("no median" in one for one in each.remarks) for each in (trial, arrived)]
-    assert remarks == [True, True]  # an error of the path is missing in both
+    without = "runs without time until the last waypoint, which count as the worst: "
+    told = [[one for one in each.remarks if without in one] for each in (trial, half, arrived)]
+    assert told == [[f"{without}2 (100 %)"], [f"{without}1 (50.0 %)"], []]

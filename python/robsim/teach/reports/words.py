@@ -163,6 +163,8 @@ def needed(score: ScoreResult) -> str:
         return met if score.fraction < 1 else ""
     if score.low is not None and score.statistic < score.low:
         return f"All points need {_ratio(score.low / score.statistic)} times as much."
+    if all(map(math.isnan, score.values)):
+        return "All points need runs with a value."
     part = score.limit / score.statistic
     own = _typical(score.values)
     if not score.share:
@@ -189,6 +191,16 @@ def _right(lost: float) -> float:
     return max(1 - lost / 100, 1e-3)
 
 
+_NO_VALUE = "no value"
+
+
+def worst_of(score: ScoreResult, runs: Sequence[tuple[float, int, str]]) -> str:
+    """Return a sentence on the worst of several runs in a score; "" = there is only one."""
+    if without := sum(map(math.isnan, score.values)):
+        return f"{without} of {len(score.values)} runs have no value, and count as the worst."
+    return f"Run {runs[-1][1]} is the worst in this score, with {runs[-1][2]}." if runs[1:] else ""
+
+
 def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]]:
     """Return the completed runs: place on the axis of the statistic, number, value.
 
@@ -200,7 +212,7 @@ def runs_of(score: ScoreResult, test: TestResult) -> list[tuple[float, int, str]
     for run, value, reference in zip(through, score.values, score.reference, strict=False):
         place, said = value, f"{value:.3g} {score.unit}".rstrip()
         if not math.isfinite(value):
-            place, said = math.inf, "no value"
+            place, said = math.inf, _NO_VALUE
         elif not score.share:
             place = _right(reference) / _right(value)
         elif score.low is None:
@@ -285,6 +297,12 @@ def _reason(run: FailedRun) -> str:
     return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
 
 
+def _is_worst(run: int, score: ScoreResult, test: TestResult) -> bool:
+    """Return whether the score loses points, most in this run."""
+    worst = [(number, said) for _, number, said in runs_of(score, test)[-1:]]
+    return not score.is_met and any(one == run and said != _NO_VALUE for one, said in worst)
+
+
 def caption_text(test: TestResult) -> str:
     if test.picture is None and test.failed:
         if test.worst is None:
@@ -292,7 +310,12 @@ def caption_text(test: TestResult) -> str:
         return f"No picture: run {test.worst} failed in its first step."
     if test.worst is None:
         return test.caption
-    which = "until it failed" if test.worst in {run.run for run in test.failed} else "the worst"
+    which = "the worst"
+    if test.worst in {run.run for run in test.failed}:
+        which = "until it failed"
+    elif costly := [score for score in test.scores if _is_worst(test.worst, score, test)]:
+        costliest = max(costly, key=lambda score: (1 - score.fraction) * score.share)
+        which = f"the worst in {costliest.title}"
     return f"Run {test.worst}, {which}. {test.caption}".rstrip()
 
 

@@ -184,11 +184,10 @@ class TaskTrial(Report):
             "yours and the reference's are medians of the runs; the result is the ratio of yours "
             "to the reference's, as the geometric mean over the runs"
         )
-        if any(math.isnan(_median(self._through(score))) for score in self.task.scores):
-            yield (
-                "no median: at least half of the runs have no such number, such as the time of a "
-                "robot that does not arrive, and count as the worst"
-            )
+        for score in self.task.scores:
+            if without := sum(map(math.isnan, self._through(score))):
+                runs = count(without, self.runs)
+                yield f"runs without {score.title}, which count as the worst: {runs}"
         if any(score.kind == "consistency" for score in self.task.scores):
             yield "the result of a consistency, ideally 1, is the geometric mean of yours alone"
         if self.worst is not None:
