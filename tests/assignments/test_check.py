@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -176,6 +177,8 @@ def test_a_number_of_the_sheet_belongs_to_the_tests(folder, cast):
     notes = {title: row["verdict"] for title, row in report.tables[0].records()}
     assert notes["sheet.md"] == "no row for `runs`"
     assert notes["numbers of hidden"] == "dropout (0.2, not 0.3)"
+    assert replace(report, problems=()).headline == "hw1 passed all checks, with 2 remarks"
+    assert report.remarks[0] == "numbers of hidden: others, dropout (0.2, not 0.3)"
 
 
 @pytest.mark.long

@@ -63,7 +63,9 @@ class CheckReport(Report):
     def headline(self) -> str:
         """The verdict in one line."""
         if self.ok:
-            return f"{self.name} passed all checks"
+            count = len(self.remarks)
+            remarks = f", with {count} remark{'s' if count > 1 else ''}" if count else ""
+            return f"{self.name} passed all checks{remarks}"
         count = len(self.problems)
         return f"{self.name} failed {count} check{'s' if count > 1 else ''}"
 

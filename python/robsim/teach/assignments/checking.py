@@ -99,9 +99,15 @@ def check_assignment(
     return CheckReport(
         name=assignment.name,
         problems=tuple(Problem(kind=f.what, sentence=f.wrong) for f in findings if f.wrong),
-        remarks=tuple(dict.fromkeys(t.provisional for t in assignment.tests if t.provisional)),
+        remarks=(
+            *dict.fromkeys(test.provisional for test in assignment.tests if test.provisional),
+            *(f"{one.what}: {one.got}, {one.note}" for one in findings if one.note not in _SAID),
+        ),
         tables=(Table(key="checks", columns=columns, rows=rows, row_title="check"),),
     )
+
+
+_SAID = ("", "provisional")  # each test has its sentence
 
 
 @dataclass(frozen=True)
