@@ -172,6 +172,19 @@ def test_one_cursor_goes_through_time_line_numbers_and_charts(show):
     assert follows(host)
 
 
+def test_a_click_moves_no_chart_of_a_long_run(show):
+    host = show(walk(2000))
+    host.state(state="paused", k=1999, steps=2000)
+    settle(host)
+    chart = Chart(host, "x px")
+    host.tab.mouse.click(*chart.at(0.4))
+    settle(host)
+    assert looks(host) == [pytest.approx(1640, abs=3)]
+    host.tab.mouse.move(5, 5)  # the pointer's own line covers the mark
+    settle(host)
+    assert chart.marked() == pytest.approx(0.4, abs=0.02)
+
+
 def test_keys_move_the_cursor_and_say_what_is_there(show):
     host = show(walk(600))
     chart = Chart(host, "x px")

@@ -27,12 +27,12 @@ export class StepAxis {
   }
 
   grow() {
-    const { store, last, marked } = this.context;
+    const { store, last, looking, marked } = this.context;
     const count = Math.min(store.count, last + 1); // no further than picture and numbers
     if (count == this.count && marked == this.end) return;
     if (this.cursor >= count) this.cursor = null; // it was reset
     this.count = count;
-    if (this.follows) this.toNewest(true);
+    if (this.follows && looking === null) this.toNewest(true);
   }
 
   /** Bring the step that is looked at into view, and stay there; null = follow again. */
