@@ -91,6 +91,15 @@ def test_nothing_jumps(shell):
 # Time line.
 
 
+def test_the_time_line_counts_a_failed_step_as_the_header_does(shell):
+    host = shell()
+    host.frame(145)
+    host.state(state="paused", k=144, steps=145)
+    host.rest()
+    assert host.tab.locator(".robsim-title-step").inner_text() == "step 145"
+    assert host.tab.locator(".robsim-timeline-place").inner_text() == "145 / 145"
+
+
 def test_the_time_line_shows_past_steps_and_the_newest_again(shell):
     host = shell()
     host.frame(99)
