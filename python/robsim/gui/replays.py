@@ -63,7 +63,7 @@ def replay(path: str | PathLike[str], *, trust: bool = False) -> Panel:
     Traceback (most recent call last):
         ...
     PermissionError: run.replay contains Python code, which would run with your rights: control.py
-    (1 lines); read the code, then pass trust=True, in the shell --trust
+    (1 lines); read the code, then pass trust=True, or --trust in the shell
     """
     check_bool("trust", trust)
     file = ReplayFile.load(path)
