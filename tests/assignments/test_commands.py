@@ -136,3 +136,5 @@ def test_zips_become_marks(tmp_path):
     regraded = regrade_class(load_assignment(hw3.folder), out)
     assert "Not yet" not in regraded.remarks
     assert "provisional" not in (out / "anna/result.txt").read_text()
+    told = command("grade", str(hw3.folder), "--regrade", "--out", str(out)).stdout
+    assert "similar programs, at the end of the page class.html: anna, shipped solution" in told

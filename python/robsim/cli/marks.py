@@ -23,8 +23,9 @@ from robsim.teach.assignments import (
     play_run,
 )
 from robsim.teach.reports import for_student, student_text
-from robsim.teach.reports.words import person
-from robsim.teach.reports.writing import CLASS, PAGE, folder_name
+from robsim.teach.reports.similarity import read_comparison
+from robsim.teach.reports.words import alike, person
+from robsim.teach.reports.writing import CLASS, PAGE, SIMILAR, folder_name
 from robsim.teach.results import number
 
 _MOST_NAMED = 4
@@ -95,6 +96,9 @@ def show(
         errors.show(f"\n{result}\n")
         if line := next((one.isolation for one in result.results if one.isolation), ""):
             errors.say(line)
+        if (found := read_comparison(out / SIMILAR)) and found.alike:
+            names = "; ".join(map(alike, found.alike))
+            errors.say(f"similar programs, at the end of the page {CLASS}: {names}")
         errors.say(f"pages and tables: {out / CLASS}, with a folder for each student next to them")
         return
     (one,) = result.results

@@ -32,6 +32,7 @@ _TRIES = 3
 #: A smaller share of the points counts as no points: a wrong solution gets some by chance.
 _LITTLE = 0.1
 _ALL = 1 - 1e-9
+PROVISIONAL = "provisional"
 
 
 def check_assignment(
@@ -101,13 +102,10 @@ def check_assignment(
         problems=tuple(Problem(kind=f.what, sentence=f.wrong) for f in findings if f.wrong),
         remarks=(
             *dict.fromkeys(test.provisional for test in assignment.tests if test.provisional),
-            *(f"{one.what}: {one.got}, {one.note}" for one in findings if one.note not in _SAID),
+            *(f"{f.what}: {f.got}, {f.note}" for f in findings if f.note not in ("", PROVISIONAL)),
         ),
         tables=(Table(key="checks", columns=columns, rows=rows, row_title="check"),),
     )
-
-
-_SAID = ("", "provisional")  # each test has its sentence
 
 
 @dataclass(frozen=True)
@@ -146,7 +144,7 @@ def _limits(test: TaskTest, made: TaskCalibration | None) -> Finding:
     if test.stale:
         return Finding(what, expected, "of others", f"{what}: {test.stale}")
     got = f"right ones fail in {100 * made.false_fail:g} % at most"
-    return Finding(what, expected, got, note="provisional" if test.provisional else "")
+    return Finding(what, expected, got, note=PROVISIONAL if test.provisional else "")
 
 
 def _sheet(assignment: Assignment) -> Finding:

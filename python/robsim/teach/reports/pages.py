@@ -6,6 +6,7 @@ import base64
 import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cache
+from itertools import chain
 from statistics import fmean, median
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -95,5 +96,6 @@ def class_page(
         column = {"test": test, "of": of, "graded": graded, "short": short, "paths": drawn}
         columns.append(column | {"title": words.test_title(test)})
     near = {result.student for result in results if any(map(words.is_near, result.tests))}
+    alike = set() if found is None else {*chain(*found.alike)}
     values = {"results": results, "columns": columns, "near": near, "area": area, "found": found}
-    return rendered("class.html", **values, links=links or {})
+    return rendered("class.html", **values, links=links or {}, alike=alike)

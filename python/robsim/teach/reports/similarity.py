@@ -177,6 +177,12 @@ class Comparison:
     mostly_common: Sequence[str]  # students who have more such lines than others
     too_long: Sequence[str]
 
+    @property
+    def alike(self) -> list[Sequence[str]]:
+        """The names of each group and each pair."""
+        pairs = ((pair.first, pair.second) for pair in self.pairs)
+        return [*(group.names for group in self.groups), *pairs]
+
     def renamed(self, pseudonym: Callable[[str], str]) -> Comparison:
         """Return a copy with other names of students, and without text."""
 
