@@ -47,7 +47,7 @@ def calibrate(
     --false-fail SHARE: Largest probability that a correct solution gets less than full points in a
         test. A ten times smaller value takes ten times as long.
     --confidence SHARE: Share of calibrations whose limits respect this probability.
-    --provisional: Find provisional limits in a minute or two, from fewer tests.
+    --provisional: Find provisional limits in less time, from fewer tests.
 
     Example: robsim assignment calibrate hw1
     """
@@ -99,7 +99,7 @@ def new(
     TEMPLATE is park, follow, identify, measure, estimate, or a notebook such as 02_park.
 
     For a task, the folder gets its own key and numbers, a sheet, solutions and provisional limits.
-    At first, the folder has the limits of the shipped task; after a minute or two, it has its own
+    At first, the folder has the limits of the shipped task; after some minutes, it has its own
     limits. All commands work with provisional limits, and report them. robsim assignment calibrate
     finds exact limits. README.md describes the files.
 
