@@ -251,6 +251,8 @@ def test_where_the_grader_failed_no_points_are_shown_and_what_is_not_done_is_sai
         assert "0 of 3 points" not in text
     half = submission(tests=[graded(status="not run", points=0.0)], is_done=False)
     assert all("not run" in text for text in texts_of(half))
+    pills = [name for name in Outline(student_page(half, {})).attributes("class") if "pill" in name]
+    assert set(pills) == {"pill idle"}
 
 
 def test_runs_that_failed_alike_are_told_together():

@@ -113,7 +113,7 @@ def test_a_class_has_a_line_for_each_and_a_table(course, hw3):
     run = course[1]
     assert run.exit_code == 1, run.stderr
     assert "s001  6 of 6\n" in run.stdout
-    assert "s002  0 of 6  not all of shown, hidden\n" in run.stdout
+    assert "s002  0 of 6  loses points in shown, hidden\n" in run.stdout
     assert {file.name for file in (hw3 / "graded").iterdir()} == {
         *("s001", "s002", "class.html", "class.csv", "by_hand.csv", "similar.json")
     }
@@ -127,7 +127,7 @@ def test_what_cannot_be_read_and_what_was_not_asked_for_are_told(hw3):
     shutil.rmtree(hw3 / "graded")
     run = command("grade", "hw3", "subs", "--only", "shown")
     assert run.exit_code == 1, run.stderr
-    for line in ("s001  2 of 2\n", "s002  0 of 2  not all of shown\n", "s003  0 of 6  "):
+    for line in ("s001  2 of 2\n", "s002  0 of 2  loses points in shown\n", "s003  0 of 6  "):
         assert line in run.stdout
     with (hw3 / "graded/class.csv").open(newline="") as file:
         marks = {row["student"]: row for row in csv.DictReader(file)}

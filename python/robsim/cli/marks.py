@@ -72,7 +72,7 @@ def _line(result: SubmissionResult, changed: str) -> str:
     # Results without a digest were not requested, or could not be graded.
     lost = [test.name for test in result.tests if test.digest and test.status != "passed"]
     names = ", ".join(lost[:_MOST_NAMED]) + (", ..." if len(lost) > _MOST_NAMED else "")
-    what = f"  not all of {names}" if lost else ""
+    what = f"  loses points in {names}" if lost else ""
     why = f"  (regraded: {changed})" if changed else ""
     return f"{person(result.student)}  {_points(result)}{what}{why}"
 

@@ -191,8 +191,8 @@ class TaskCalibration(Report):
             Quantity("false_fail", "right ones fail, at most", self.false_fail, "", percent),
             Quantity("confidence", "confidence", self.confidence, "", percent),
             Quantity("tests", "tests", self.tests),
-            Quantity("pilot_tests", "tests before", self.pilot_tests),
-            Quantity("rank", "rank", self.rank),
+            Quantity("pilot_tests", "earlier tests, for the ratios of the limits", self.pilot_tests),
+            Quantity("rank", "tests that reach the limits", self.rank),
         )
 
     @property
