@@ -297,12 +297,6 @@ def _reason(run: FailedRun) -> str:
     return ": ".join(filter(None, (", ".join(parts), run.reason))) or "it failed"
 
 
-def _is_worst(run: int, score: ScoreResult, test: TestResult) -> bool:
-    """Return whether the score loses points, most in this run."""
-    worst = [(number, said) for _, number, said in runs_of(score, test)[-1:]]
-    return not score.is_met and any(one == run and said != _NO_VALUE for one, said in worst)
-
-
 def caption_text(test: TestResult) -> str:
     if test.picture is None and test.failed:
         if test.worst is None:
@@ -311,11 +305,12 @@ def caption_text(test: TestResult) -> str:
     if test.worst is None:
         return test.caption
     which = "the worst"
+    for score in sorted(test.scores, key=lambda one: one.share):
+        for _, worst, said in runs_of(score, test)[-1:]:
+            if worst == test.worst and said != _NO_VALUE and not score.is_met:
+                which = f"the worst in {score.title}"
     if test.worst in {run.run for run in test.failed}:
         which = "until it failed"
-    elif costly := [score for score in test.scores if _is_worst(test.worst, score, test)]:
-        costliest = max(costly, key=lambda score: (1 - score.fraction) * score.share)
-        which = f"the worst in {costliest.title}"
     return f"Run {test.worst}, {which}. {test.caption}".rstrip()
 
 

@@ -191,7 +191,7 @@ class TaskCalibration(Report):
             Quantity("false_fail", "right ones fail, at most", self.false_fail, "", percent),
             Quantity("confidence", "confidence", self.confidence, "", percent),
             Quantity("tests", "tests", self.tests),
-            Quantity("pilot_tests", "earlier tests, for the ratios of the limits", self.pilot_tests),
+            Quantity("pilot_tests", "earlier tests, for the shape of the limits", self.pilot_tests),
             Quantity("rank", "tests that reach the limits", self.rank),
         )
 
