@@ -35,7 +35,7 @@ class TimedCamera(SteppedCamera):
     def __init__(self, rate, count=62):
         super().__init__(numbered(count), permits=count + 1)
         intervals = np.where(np.arange(count) % 8 == 7, 2, 1) / rate
-        self.exposed = iter(time.monotonic() - 100 + np.cumsum(intervals))
+        self.exposed = iter(time.monotonic() - 15 + np.cumsum(intervals))
 
     def read(self):
         came = super().read()

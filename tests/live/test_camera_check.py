@@ -1,5 +1,6 @@
 """`check_camera`: a good camera is called good, and each fault of another one is named."""
 
+import time
 from contextlib import suppress
 
 import numpy as np
@@ -10,6 +11,7 @@ from python_devices import PATIENT, EndlessCamera
 from robsim.lab import (
     Camera,
     CameraFaults,
+    CaptureError,
     FrameTimeoutError,
     SimulatedLab,
     UdpMotors,
@@ -131,6 +133,60 @@ def test_a_single_frame_tells_nothing_of_the_rate():
     assert report.frames == 1
     for name in ("frame rate", "jitter", "lost frames", "scatter of the position"):
         assert report[name].verdict == "not known"
+
+
+class ClockedCamera(EndlessCamera):
+    """Its exposures have a time by the function `clock`."""
+
+    clock = None
+
+    def read(self):
+        return self.image, self.clock()
+
+
+@pytest.mark.parametrize(
+    ("clock", "verdicts"),
+    [
+        (lambda: None, {"not known"}),
+        (lambda: time.monotonic() - 0.01, {"good", "poor", "bad"}),  # a busy machine is late
+        (lambda: time.monotonic() - 1, {"bad"}),
+    ],
+)
+def test_the_latency_is_known_by_the_times_of_exposure_only(clock, verdicts):
+    source = ClockedCamera(picture())
+    source.clock = clock
+    with Camera(source, area=SIZE, **PATIENT) as camera:
+        report = check_camera(camera, robot="lab", seconds=300)
+    latency = report["exposure to arrival"]
+    assert latency.verdict in verdicts
+    is_known = "not known" not in verdicts
+    assert (latency.value >= 10) == is_known
+    assert any("no exposure times" in remark for remark in report.remarks) != is_known
+
+
+@pytest.mark.parametrize(
+    "clock",
+    [
+        time.time,
+        lambda: time.monotonic() + 5,
+        lambda: time.monotonic() - 61,
+        lambda: 1000 * time.monotonic(),
+        lambda: float("nan"),
+        lambda: "now",
+    ],
+)
+def test_a_time_of_another_clock_is_refused(clock):
+    source = ClockedCamera(picture())
+    source.clock = clock
+    with pytest.raises(CaptureError, match=r"exposed of read\(\) must be time\.monotonic\(\) in s"):
+        Camera(source, area=SIZE, **PATIENT)
+
+
+def test_an_object_needs_no_device_of_its_own():
+    source = EndlessCamera(picture())
+    source._open_device = lambda: robsim._core.PythonCamera(source, bgr=True)
+    with pytest.raises(TypeError, match=r"must have no _open_device.*bgr = True"):
+        Camera(source)
 
 
 def test_wrong_arguments_are_named():

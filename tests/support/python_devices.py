@@ -2,7 +2,6 @@
 
 import threading
 
-from robsim import _core
 from robsim.lab import EndOfStream
 
 #: s; for a camera whose frames come for sure, however busy the machine is.
@@ -27,9 +26,6 @@ class SteppedCamera:
         self.bgr = bgr
         self.permits = threading.Semaphore(permits)
         self.calls = []
-
-    def _open_device(self):
-        return _core.PythonCamera(self, bgr=self.bgr)
 
     def open(self):
         self.calls.append("open")
@@ -58,9 +54,6 @@ class EndlessCamera:
         self.hangs = threading.Event()
         self.is_hanging = threading.Event()
         self.goes_on = threading.Event()
-
-    def _open_device(self):
-        return _core.PythonCamera(self)
 
     def open(self):
         pass

@@ -72,10 +72,11 @@ class Camera(Closing):
     ----------
     source : int, str or path
         Number of a camera (0 for ``/dev/video0``), an address, a video file, a folder of images,
-        or a camera object of robsim. Addresses are ``"http://camera.local/video.mjpg"``,
-        ``"rtsp://camera.local/stream"``, and ``"gige://192.168.1.20"`` (or a serial number or
-        name) for GigE Vision. ``"firewire://"`` is the first camera on FireWire,
-        ``"firewire://1"`` the second one, and 16 digits name a specific camera.
+        or an object: a `SimulatedLab`, or one with ``open``, ``read`` and ``close``. Addresses are
+        ``"http://camera.local/video.mjpg"``, ``"rtsp://camera.local/stream"``, and
+        ``"gige://192.168.1.20"`` (or a serial number or name) for GigE Vision. ``"firewire://"`` is
+        the first camera on FireWire, ``"firewire://1"`` the second one, and 16 digits name a
+        specific camera.
     back_end : str, optional
         The reader. The readers of an address are ``"http"``, and OpenCV's ``"ffmpeg"`` and
         ``"gstreamer"``. ``"http"`` reads MJPEG, detects torn images, and logs in by
@@ -230,6 +231,7 @@ class Camera(Closing):
         self._device = opened.device
         self.region, self.coding = opened.region, opened.coding
         self._headings = opened.headings
+        self._knows_exposure = opened.knows_exposure
         self.source = source
         area = area or opened.area
         plane_map = opened.plane_map if plane_map is None else plane_map

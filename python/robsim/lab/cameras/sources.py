@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -17,6 +17,7 @@ from robsim.base.checks import check_choice, check_int, is_int
 from robsim.base.text import one_line, quoted
 from robsim.base.warn import warn_user
 from robsim.lab.cameras._devices import firewire, gige
+from robsim.lab.cameras._devices.called import CalledCamera
 from robsim.lab.cameras._devices.opencv import (
     OF_ADDRESSES,
     OF_INDICES,
@@ -46,6 +47,8 @@ class Source:
     region: tuple[int, int, int, int] | None = None
     coding: str | None = None
     advice: str = ""  # for torn frames
+    # Otherwise times of exposure are estimates from arrivals, or have an unknown offset.
+    knows_exposure: Callable[[], bool] = lambda: False
 
 
 def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
@@ -55,15 +58,17 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
             return _on_bus(bus, source, wishes)
     wishes.refuse(_kind_of(source), "region", "coding", "features")
     dt, back_end = wishes.dt, wishes.back_end
-    if hasattr(source, "_open_device"):
-        wishes.refuse("an object of robsim", "back_end")
+    if hasattr(source, "_open_device") or _is_called(source):
+        wishes.refuse("an object", "back_end")
+        device, knows_exposure = _object(source)
         return Source(
             one_line(source),
-            source._open_device(),
+            device,
             dt=getattr(source, "dt", None) if dt is None else dt,
             area=getattr(source, "area", None),
             plane_map=getattr(source, "plane_map", None),
             headings=getattr(source, "_headings", None),
+            knows_exposure=knows_exposure,
         )
     if is_int(source):
         index = check_int("source", source, minimum=0, maximum=99)
@@ -78,12 +83,35 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
         wishes.refuse("a file or folder", "back_end")
         playback = Playback(source, wishes.fps)
         return Source(
-            playback.name, PythonCamera(playback), dt=playback.dt, headings=playback.headings
+            playback.name,
+            PythonCamera(playback),
+            dt=playback.dt,
+            headings=playback.headings,
+            knows_exposure=lambda: True,
         )
     raise TypeError(
-        "source must be the number of a camera, an address, a file, a folder or a camera of "
-        f"robsim, got {quoted(source)}"
+        "source must be the number of a camera, an address, a file, a folder or an object with "
+        f"open, read and close, got {quoted(source)}"
     )
+
+
+def _is_called(source: Any) -> bool:
+    return all(callable(getattr(source, name, None)) for name in ("open", "read", "close"))
+
+
+def _object(source: Any) -> tuple[CaptureDevice, Callable[[], bool]]:
+    """Return the device of an object, and whether it knows the time of its last exposure."""
+    if hasattr(source, "_open_device"):
+        device = source._open_device()
+        if isinstance(device, PythonCamera):
+            raise TypeError(
+                f"{one_line(source)} must have no _open_device: open, read and close are enough; "
+                "set its attribute bgr = True if its images are in OpenCV's order"
+            )
+        return device, lambda: True
+    camera = CalledCamera(source)
+    bgr = bool(getattr(source, "bgr", False))
+    return PythonCamera(camera, bgr=bgr), lambda: camera.knows_exposure
 
 
 def _refuse_almost_an_address(source: str | PathLike[str]) -> None:
@@ -112,7 +140,7 @@ def meant_address(text: str) -> str | None:
 def _kind_of(source: Any) -> str:
     if isinstance(source, str) and re.match(r"[a-z][a-z0-9+.-]+://", source):
         return "an address such as this"
-    return "a camera by number" if is_int(source) else "a file, a folder or an object of robsim"
+    return "a camera by number" if is_int(source) else "a file, a folder or an object"
 
 
 def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
@@ -135,6 +163,7 @@ def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
         region=sent.region,
         coding=sent.coding,
         advice=sent.advice,
+        knows_exposure=lambda: bus is firewire,
     )
 
 

@@ -208,7 +208,7 @@ def _remarks(
 ) -> Iterator[str]:
     names = [finding.name for finding in findings if finding.verdict == NOT_KNOWN]
     if "exposure to arrival" in names:
-        yield "the camera's exposure times are unknown, and so is its latency"
+        yield "the camera gives no exposure times: frame times are estimates, the latency unknown"
     if "round trip to the robot" in names:
         yield "the robot did not answer: is it on? Answers are optional, see PROTOCOL.md"
     if all(f"margin of {color}" in names for color in colors):

@@ -161,7 +161,7 @@ def findings_of(
     yield from _detection(look)
     yield from _scatter(look)
     yield from _map(look, camera)
-    yield from _latency(look, motors)
+    yield from _latency(look, camera, motors)
 
 
 def _regularity(look: CameraLook, camera: Camera, before: CameraCounts) -> Iterator[CameraFinding]:
@@ -346,12 +346,11 @@ def _sheets(look: CameraLook, calibration: Calibration) -> Iterator[CameraFindin
         yield _judged("shift of floor sheets", largest, remedy_of_shifts(shifts))
 
 
-def _latency(look: CameraLook, motors: MotorLink | None) -> Iterator[CameraFinding]:
+def _latency(look: CameraLook, camera: Camera, motors: MotorLink | None) -> Iterator[CameraFinding]:
     _, t, t_arrival = np.array(look.times).T
-    late = float(np.median(t_arrival - t))
     yield _judged(
         "exposure to arrival",
-        late if late > 0 else math.nan,
+        float(np.median(t_arrival - t)) if camera._knows_exposure() else math.nan,
         "the robot is no longer where the frame shows it: take a camera by number or MJPEG, "
         "smaller frames, no filter in the camera",
     )
