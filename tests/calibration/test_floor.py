@@ -133,10 +133,16 @@ def test_a_wrong_mark_of_four_is_found_by_a_fifth():
     assert [one.name for one in five.points if not one.is_used] == ["1"]
 
 
-def test_four_marks_without_a_lens_say_that_nothing_is_left_to_check():
-    places, pixels = floor(2)
-    report = calibrate_floor(pixels, places, size=SHOT.size, **AREA)
-    assert np.isnan(report.expected_errors).all()
+def test_four_marks_without_a_lens_are_not_checked_and_a_fifth_checks_them():
+    places, pixels = floor(3)
+    few = [0, 2, 6, 8, 4]
+    wrong = places[few] + np.eye(5, 2) * (40, 0)
+    for positions in (places[few], wrong):
+        report = calibrate_floor(pixels[few[:4]], positions[:4], size=SHOT.size, **AREA)
+        assert np.isnan(report.expected_errors).all()
+        assert report.verdict == "not checked"
+        assert any("a fifth point checks them" in remark for remark in report.remarks)
+    assert calibrate_floor(pixels[few], wrong, size=SHOT.size, **AREA).verdict == "bad"
 
 
 def test_what_is_wrong_is_refused_by_its_name():

@@ -287,6 +287,8 @@ def test_more_than_four_points_say_how_well_they_fit(frames):
     run, trace = tracked(folder, *points, "--positions", "1,1 1198,1 1198,1198 1,1198 602,601")
     assert "within 0.7 px" in run.stderr
     assert trace.seen.all()
+    four = ("--pixels", "0,0 399,0 399,399 0,399", "--positions", "1,1 1400,1 1198,1198 1,1198")
+    assert "4 points are not checked" in tracked(folder, *four)[0].stderr
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -167,7 +167,7 @@ def earlier_run(out: Path) -> str | None:
 def parse_plane_map(pixels: str | None, positions: str | None) -> PlaneMap | None:
     """Return the map of the options --pixels and --positions; None if they are absent.
 
-    With more points than the map needs, its error at them is printed.
+    A note gives its error at the points, or says that four points are not checked.
     """
     from robsim._core import PlaneMap
 
@@ -184,5 +184,9 @@ def parse_plane_map(pixels: str | None, positions: str | None) -> PlaneMap | Non
         errors.print_note(
             f"the {len(seen)} points fit within {distances[worst]:.1f} px of the work area (number "
             f"{worst + 1}), rms {np.sqrt((distances**2).mean()):.1f} px"
+        )
+    else:
+        errors.print_note(
+            "the 4 points are not checked: they fit exactly, right or wrong; add a fifth point"
         )
     return plane_map

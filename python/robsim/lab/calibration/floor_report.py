@@ -127,10 +127,17 @@ class FloorCalibration(Report):
 
     @property
     def verdict(self) -> str:
-        """``"good"``, ``"poor"`` or ``"bad"``."""
+        """``"good"``, ``"poor"``, ``"bad"``, or ``"not checked"`` with four points and no lens."""
         if self.rms > _RMS[1] or self._expected_px > _FAR[1]:
             return "bad"
-        return "poor" if self.problems else "good"
+        if self.problems:
+            return "poor"
+        return "not checked" if self._fits_exactly else "good"
+
+    @property
+    def _fits_exactly(self) -> bool:
+        """Whether the points are too few to contradict each other."""
+        return bool(np.isnan(self.expected_errors).any())
 
     @property
     def _expected_px(self) -> float:
@@ -259,8 +266,8 @@ class FloorCalibration(Report):
     def remarks(self) -> tuple[str, ...]:
         """Limits of the calibration."""
         said = []
-        if np.isnan(self.expected_errors).any():
-            said.append("four points fit any map exactly: add points to reveal a wrong one")
+        if self._fits_exactly:
+            said.append("four points fit exactly, right or wrong: a fifth point checks them")
         if self.calibration.intrinsics is None:
             said.append(
                 "without a lens, the height of the markers cannot be accounted for, and distortion "
