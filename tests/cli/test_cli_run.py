@@ -280,6 +280,15 @@ def test_bgr_frames_are_told(frames, monkeypatch, capsys):
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_track_names_its_robot_as_all_poses_depend_on_it(frames):
+    folder, image = frames
+    save_image(folder / "0.png", image)
+    said = " ".join(tracked(folder)[0].stderr.split())
+    assert "robot lab (right marker red, left marker blue)" in said
+    assert "true only for this robot" in said
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_more_than_four_points_say_how_well_they_fit(frames):
     folder, image = frames
     save_image(folder / "0.png", image)

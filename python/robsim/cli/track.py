@@ -70,6 +70,13 @@ def track(
         failure = error
     if count := len(experiment.trace):
         finish(experiment, out, as_json=as_json, unit=unit, scale=scale)
+        known = experiment.robot
+        roles = (f"{role} marker {one}" for role, one in known.marker_layout().colors.items())
+        errors.print_note(
+            f"tracked as robot {known.name} ({', '.join(roles)}): heading, centre and reported "
+            "errors are true only for this robot; another one needs its own definition (robsim "
+            "robots add) and --robot"
+        )
         if video:
             trace = experiment.trace.in_unit(unit, mm_per_px=scale)
             _write_video(experiment, trace, recording, out / VIDEO)
