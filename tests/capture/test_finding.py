@@ -121,6 +121,7 @@ def test_what_is_wrong_with_a_camera_by_number_is_told(nodes):
         ("gige://127.0.0.1/path", {}, "gige://"),
         ("gige://127.0.0.1?packet_size=65536", {}, "packet_size"),
         ("gige://127.0.0.1?colour=red", {}, "colour"),
+        ("drp://drop", {}, "a scheme of firewire, gige, http, .*got 'drp'"),
         (-1, {}, "source"),
     ],
 )

@@ -60,6 +60,7 @@ def test_wrong_options_are_named():
         "error: --area must": ("--camera", __file__, "--area", "5x5"),
         "--max-voltage must": ("--max-voltage", "0"),
         "--positions": ("--pixels", "0,0 1,0 1,1 0,1"),
+        "'drp'": ("--camera", "drp://drop", "--check"),
         "folder mine": ("mine",),
     }.items():
         camera = () if "--camera" in arguments else ("--camera", "simulated")

@@ -10,7 +10,6 @@ from os import PathLike
 from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any
-from urllib.parse import urlsplit
 
 from robsim._core import CaptureDevice, PlaneMap, PythonCamera, StreamedCamera
 from robsim.base.checks import check_choice, check_int, is_int
@@ -29,6 +28,7 @@ from robsim.lab.cameras._devices.playback import Playback
 from robsim.lab.cameras.wishes import Wishes
 
 _SAME_RATE = 0.01  # of the requested rate
+_BY_OPENCV = ("http", "https", "rtsp", "rtsps", "rtmp", "rtp", "srt", "tcp", "udp")
 _FFMPEG_OPTIONS = "OPENCV_FFMPEG_CAPTURE_OPTIONS"
 # Without sound: its packets alone would end the probe.
 _SMALL_PROBE = "rtsp_transport;tcp|allowed_media_types;video|probesize;32"
@@ -168,7 +168,13 @@ def _on_bus(bus: ModuleType, url: str, wishes: Wishes) -> Source:
 
 
 def _address(url: str, back_end: str | None, dt: float | None, open_timeout: float) -> Source:
-    is_http = urlsplit(url).scheme == "http"
+    scheme = url.partition("://")[0]
+    if scheme not in _BY_OPENCV:
+        known = ", ".join((firewire.SCHEME, gige.SCHEME, *_BY_OPENCV))
+        raise ValueError(
+            f"source must be an address with a scheme of {known}, got {quoted(scheme)}"
+        )
+    is_http = scheme == "http"
     chosen = _choice(back_end, ("http", *OF_ADDRESSES)) or ("http" if is_http else "ffmpeg")
     if chosen == "http":
         if not is_http:
