@@ -78,13 +78,14 @@ function makeDetail(context, { glass, half, imageOf, changed }) {
   let timer = 0;
   const detail = { box: null, image: null };
   const ask = () => {
-    if (!wanted || isAsked || !isOld) return;
+    const reach = half();
+    if (!wanted || isAsked || !isOld || !Number.isFinite(reach)) return; // hidden by a tool
     [isAsked, isOld] = [true, false];
     timer = setTimeout(() => {
       isAsked = false;
       again();
     }, ANSWER_PATIENCE);
-    context.send({ type: "magnify", at: wanted, half: half(), glass });
+    context.send({ type: "magnify", at: wanted, half: reach, glass });
   };
   context.on("detail", (head, buffers) => {
     if (head.glass != glass) return;
