@@ -164,7 +164,7 @@ def test_a_photo_with_noise_and_blur(seed):
 def test_a_picture_without_a_marker(name):
     image = painted(RED, BLUE)
     image[is_color(image, name)] = (70, 70, 70, 255)
-    with pytest.raises(ValueError, match=f"{name} marker"):
+    with pytest.raises(ValueError, match=f"{name} marker.*--colors or --marker-colors"):
         robot_from_image("toy", image)
     given = {name: {"red": RED, "blue": BLUE}[name]}
     assert robot_from_image("toy", image, markers=given).name == "toy"

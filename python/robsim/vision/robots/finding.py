@@ -217,7 +217,8 @@ def marker_in(image: Pixels, name: str, colors: tuple[ColorClass, ...]) -> Float
     if not blobs:
         raise ValueError(
             f"{name} marker: nothing in the image has the colour {name} ({ranges(found[0])}): "
-            "give the marker's polygon or other colours"
+            "give its polygon, colours of this light, or the names of other colours, by markers, "
+            "colors or marker_colors (in the shell --marker, --colors or --marker-colors)"
         )
     return _polygon_around(pixels_of_blob(blobs[0], pixels, found[0]), blobs[0])
 
