@@ -47,6 +47,15 @@ def test_the_picture_is_shown_as_it_is(axes):
     assert isinstance(axes, style.NotebookAxes)
 
 
+def test_the_whole_title_is_in_the_figure():
+    axes = plot_robot(load_robot("lab"))
+    figure = axes.figure
+    figure.draw_without_rendering()
+    inside = figure.get_window_extent()
+    drawn = axes.get_tightbbox()
+    assert inside.y0 <= drawn.y0 < drawn.y1 <= inside.y1
+
+
 def test_the_polygons(axes):
     shown = {patch.get_label(): patch for patch in axes.patches}
     assert list(shown) == ["outline", "right marker (red)", "left marker (blue)"]

@@ -491,6 +491,15 @@ def test_a_frame_is_in_work_area_pixels_with_boxes_of_blobs_and_the_heading():
     assert title.endswith(", not seen")
 
 
+@pytest.mark.parametrize(("width", "height"), [(640, 360), (400, 400), (300, 400)])
+def test_a_frame_fills_its_figure(width, height):
+    axes = plot_frame(robsim.Frame(np.zeros((height, width, 3), np.uint8)))
+    figure = axes.figure
+    figure.draw_without_rendering()
+    assert axes.get_window_extent().height > 0.7 * figure.get_window_extent().height
+    assert axes.get_window_extent().width > 0.7 * figure.get_window_extent().width
+
+
 def test_outline_stands_at_the_measured_pose():
     measurement = robsim.Measurement((600.0, 400.0, np.pi / 2))
     outline = [(50, 0), (0, 30), (0, -30)]

@@ -192,6 +192,13 @@ def panel(ax: Axes | None, size: tuple[float, float]) -> Axes:
     return ax
 
 
+def fit_figure(axes: Axes) -> None:
+    """Give a figure of one image the height of the image and its labels."""
+    width, height = np.ptp((axes.get_xlim(), axes.get_ylim()), axis=1)
+    figure: Any = axes.figure
+    figure.set_figheight(1.6 + 6.1 * float(np.clip(height / width, 0.3, 1.5)))
+
+
 def position_labels(unit: str) -> tuple[str, str]:
     return f"x ({unit})", f"y ({unit})"
 

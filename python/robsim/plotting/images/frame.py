@@ -44,7 +44,7 @@ def plot_frame(
     frame : Frame
         The image with its plane map.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in. Default: a new figure of 7 x 7 inches.
+        Axes to draw in. Default: a new figure, 7 inches wide.
     blobs : dict of str to sequence of Blob, optional
         The blobs of each colour, as from `robsim.find_blobs`: each gets its bounding box and a
         cross.
@@ -85,8 +85,11 @@ def plot_frame(
     check_optional("measurement", measurement, Measurement)
     outline = None if outline is None else check_positions("outline", outline)
     shown = _part(trace, k)
+    is_new = ax is None
     ax = style.panel(ax, (7, 7))
     from_pixel, from_world = _show_image(ax, frame)
+    if is_new:
+        style.fit_figure(ax)
     if shown is not None and len(shown):
         _draw_path(ax, shown, from_world)
         outline = _outline_of(shown) if outline is None else outline

@@ -50,8 +50,11 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     ('right (px of the image)', 'down (px of the image)')
     """
     check_source("robot", robot, RobotDefinition)
-    ax = style.panel(ax, _figure_size(robot))
+    is_new = ax is None
+    ax = style.panel(ax, (7, 7))
     _show_image(ax, robot)
+    if is_new:
+        style.fit_figure(ax)
     _draw_polygon(ax, robot.outline, _OUTLINE, "outline")
     for role, marker in robot.markers.items():
         label = no_formula(f"{role} marker ({marker.color})")
@@ -67,12 +70,6 @@ def plot_robot(robot: RobotDefinition, *, ax: Axes | None = None) -> Axes:
     )
     style.legend_below(ax, ncols=3, columnspacing=1.2, handlelength=1.5)
     return ax
-
-
-def _figure_size(robot: RobotDefinition) -> tuple[float, float]:
-    """Return a size (inches) with room for the image and its labels."""
-    height, width = robot.image.shape[:2]
-    return 7.0, 1.3 + 6.1 * float(np.clip(height / width, 0.3, 1.5))
 
 
 def _show_image(axes: Axes, robot: RobotDefinition) -> None:
