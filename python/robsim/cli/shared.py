@@ -91,7 +91,9 @@ Pixels = Annotated[
     "--pixels POINTS: Four or more points in the frames, in px, such as '0,0 639,0 639,479 0,479'.",
 ]
 Positions = Annotated[
-    str | None, "--positions POINTS: Positions of the same points on the work area, in px."
+    str | None,
+    "--positions POINTS: Positions of the same points on the work area, in px: x to the right, y "
+    "down. For mm, use robsim calibrate floor.",
 ]
 CalibrationFile = Annotated[
     Path | None,
