@@ -83,11 +83,7 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
         wishes.refuse("a file or folder", "back_end")
         playback = Playback(source, wishes.fps)
         return Source(
-            playback.name,
-            PythonCamera(playback),
-            dt=playback.dt,
-            headings=playback.headings,
-            knows_exposure=lambda: True,
+            playback.name, PythonCamera(playback), dt=playback.dt, headings=playback.headings
         )
     raise TypeError(
         "source must be the number of a camera, an address, a file, a folder or an object with "
@@ -105,8 +101,8 @@ def _object(source: Any) -> tuple[CaptureDevice, Callable[[], bool]]:
         device = source._open_device()
         if isinstance(device, PythonCamera):
             raise TypeError(
-                f"{one_line(source)} must have no _open_device: open, read and close are enough; "
-                "set its attribute bgr = True if its images are in OpenCV's order"
+                "an object with open, read and close must have no _open_device; "
+                "bgr = True, an attribute, tells images in OpenCV's order"
             )
         return device, lambda: True
     camera = CalledCamera(source)
