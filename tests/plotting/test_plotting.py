@@ -238,6 +238,17 @@ def test_without_tracking_there_are_the_upper_rows_only():
     assert "not measured" in figure.get_suptitle()
 
 
+def test_the_steps_also_have_their_time():
+    sim = robsim.Simulation(seed=1)
+    sim.run(11)
+    figure = plot_traces(sim.trace)
+    (seconds,) = figure.axes[0].child_axes
+    figure.draw_without_rendering()
+    assert seconds.get_xlabel() == "time (s)"
+    assert seconds.get_xlim() == pytest.approx((-0.1, 2.1))
+    assert plot_traces(sim.trace[:1]).axes[0].child_axes
+
+
 def test_one_valid_step_and_none():
     trace = make_trace(20, seen=np.arange(20) == 4)
     first = histograms(plot_traces(trace))[0]

@@ -217,6 +217,18 @@ def show_steps(axes: Axes, trace: Trace) -> None:
     axes.set_xlabel(f"step k (of {trace.info.dt:g} s)")
 
 
+def show_time(axes: Axes, trace: Trace) -> None:
+    """Add an axis in seconds above an axis of steps, at the mean interval of the frames."""
+    k, t = trace.k, trace.t
+    dt = (t[-1] - t[0]) / (len(k) - 1) if len(k) > 1 else trace.info.dt
+    if not (np.isfinite(t[0]) and dt > 0):
+        return
+    seconds = axes.secondary_xaxis(
+        "top", functions=(lambda x: t[0] + dt * (x - k[0]), lambda s: k[0] + (s - t[0]) / dt)
+    )
+    seconds.set_xlabel("time (s)")
+
+
 def dot_size(steps: int) -> float:
     """Return the marker size of a dot (points) that does not touch its neighbours."""
     return float(np.clip(3.0 * math.sqrt(800 / max(steps, 1)), 2.5, 6.5))

@@ -25,10 +25,10 @@ def plot_traces(
 ) -> Figure:
     """Draw poses, measurement errors with their histograms, and the path.
 
-    The line of the true pose covers the dots of the measured pose. Errors are measured minus true
-    poses. The histograms include all steps with a seen robot, and the bell curve is the normal
-    distribution with the same mean and standard deviation. Outliers are drawn as triangles at the
-    edge.
+    The x axes are in steps, and in a new figure also in seconds. The line of the true pose covers
+    the dots of the measured pose. Errors are measured minus true poses. The histograms include all
+    steps with a seen robot, and the bell curve is the normal distribution with the same mean and
+    standard deviation. Outliers are drawn as triangles at the edge.
 
     Parameters
     ----------
@@ -78,6 +78,8 @@ def plot_traces(
     draw_plan(axes["path"], trace)
     if has_errors:
         _draw_errors(left[3:], right[3:], trace)
+    if is_new:
+        style.show_time(left[0], trace)
     style.rasterize_long_lines(axes.values())
     _add_legend(left, trace, is_new=is_new)
     return left[0].figure.figure
