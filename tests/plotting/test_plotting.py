@@ -246,7 +246,7 @@ def test_the_steps_also_have_their_time():
     figure.draw_without_rendering()
     assert seconds.get_xlabel() == "time (s)"
     assert seconds.get_xlim() == pytest.approx((-0.1, 2.1))
-    assert plot_traces(sim.trace[:1]).axes[0].child_axes
+    assert not plot_traces(sim.trace[:1]).axes[0].child_axes
 
 
 def test_one_valid_step_and_none():

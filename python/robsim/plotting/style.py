@@ -218,15 +218,12 @@ def show_steps(axes: Axes, trace: Trace) -> None:
 
 
 def show_time(axes: Axes, trace: Trace) -> None:
-    """Add an axis in seconds above an axis of steps, at the mean interval of the frames."""
-    k, t = trace.k, trace.t
-    dt = (t[-1] - t[0]) / (len(k) - 1) if len(k) > 1 else trace.info.dt
-    if not (np.isfinite(t[0]) and dt > 0):
-        return
-    seconds = axes.secondary_xaxis(
-        "top", functions=(lambda x: t[0] + dt * (x - k[0]), lambda s: k[0] + (s - t[0]) / dt)
-    )
-    seconds.set_xlabel("time (s)")
+    """Add the time above an axis of steps, at the mean interval of the frames."""
+    k, t = trace.k[[0, -1]], trace.t[[0, -1]]
+    if t[1] > t[0]:
+        dt = (t[1] - t[0]) / (k[1] - k[0])
+        maps: Any = (lambda x: t[0] + dt * (x - k[0]), lambda s: k[0] + (s - t[0]) / dt)
+        axes.secondary_xaxis("top", functions=maps).set_xlabel("time (s)")
 
 
 def dot_size(steps: int) -> float:

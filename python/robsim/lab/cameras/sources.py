@@ -58,7 +58,8 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
             return _on_bus(bus, source, wishes)
     wishes.refuse(_kind_of(source), "region", "coding", "features")
     dt, back_end = wishes.dt, wishes.back_end
-    if hasattr(source, "_open_device") or _is_called(source):
+    methods = [getattr(source, name, None) for name in ("open", "read", "close")]
+    if hasattr(source, "_open_device") or all(map(callable, methods)):
         wishes.refuse("an object", "back_end")
         device, knows_exposure = _object(source)
         return Source(
@@ -89,10 +90,6 @@ def source_of(source: Any, wishes: Wishes, *, open_timeout: float) -> Source:
         "source must be the number of a camera, an address, a file, a folder or an object with "
         f"open, read and close, got {quoted(source)}"
     )
-
-
-def _is_called(source: Any) -> bool:
-    return all(callable(getattr(source, name, None)) for name in ("open", "read", "close"))
 
 
 def _object(source: Any) -> tuple[CaptureDevice, Callable[[], bool]]:
