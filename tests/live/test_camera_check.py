@@ -186,7 +186,7 @@ def test_a_time_of_another_clock_is_refused(clock):
 def test_an_object_needs_no_device_of_its_own():
     source = EndlessCamera(picture())
     source._open_device = lambda: robsim._core.PythonCamera(source, bgr=True)
-    with pytest.raises(TypeError, match=r"must have no _open_device.*bgr = True"):
+    with pytest.raises(TypeError, match="must have bgr, True or False, not _open_device"):
         Camera(source)
 
 

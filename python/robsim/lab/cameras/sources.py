@@ -97,10 +97,7 @@ def _object(source: Any) -> tuple[CaptureDevice, Callable[[], bool]]:
     if hasattr(source, "_open_device"):
         device = source._open_device()
         if isinstance(device, PythonCamera):
-            raise TypeError(
-                "an object with open, read and close must have no _open_device; "
-                "bgr = True, an attribute, tells images in OpenCV's order"
-            )
+            raise TypeError("an object with read must have bgr, True or False, not _open_device")
         return device, lambda: True
     camera = CalledCamera(source)
     bgr = bool(getattr(source, "bgr", False))
