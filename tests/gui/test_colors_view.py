@@ -360,7 +360,7 @@ def test_other_light_and_noise(here):
 def test_what_is_wrong_is_refused_by_its_name(here):
     threads = threading.active_count()
     for arguments, said in (
-        ({"what": 3}, "what must"),
+        ({"what": 3}, "`what` must"),
         ({"what": "none.png"}, "none.png"),
         ({"colors": 3}, "colors must"),
         ({"robot": "nobody"}, "nobody"),

@@ -330,11 +330,12 @@ def test_a_helper_that_imports_a_helper_and_fails(mine):
 
 
 def test_a_callback_cannot_be_imported(mine, monkeypatch):
-    write(mine, "measure", "from control import control\n")
+    write(mine, "estimate_state", "")
+    write(mine, "measure", "from estimate_state import estimate_state\n")
     for path in (sys.path, [str(mine), *sys.path]):
         with monkeypatch.context() as patch:
             patch.setattr(sys, "path", path)
-            with pytest.raises(ModuleNotFoundError, match=r"control\.py"):
+            with pytest.raises(ModuleNotFoundError, match=r"estimate_state\.py"):
                 CallbackFolder(mine).load()
 
 
@@ -342,6 +343,7 @@ def test_a_package_with_the_name_of_a_slot_is_found(mine, tmp_path, monkeypatch)
     write(tmp_path / "packages", "control", "tf = 'transfer function'\n")
     drives(mine, "return package.tf", top="import control as package\n")
     with monkeypatch.context() as patch:
+        patch.delitem(sys.modules, "control", raising=False)  # python-control
         patch.setattr(sys, "dont_write_bytecode", True)  # of the package
         patch.setattr(sys, "path", [str(mine), str(tmp_path / "packages"), *sys.path])
         assert control_of(mine)(None) == "transfer function"
