@@ -112,9 +112,10 @@ def campaign(
     - the path of a folder whose file for the slot is used, loaded again for each run. The values of
       the option ``"folder"`` are callback folders: each file fills its slot.
 
-    Other processes require code with a name in a module, not a lambda or a nested function. A
-    script must call `campaign` below ``if __name__ == "__main__":``. With threads, runs without
-    Python callbacks run in parallel, and other runs take turns.
+    In other processes, each function must be defined at the top level of a module; a lambda or a
+    nested function cannot run there. A script must call `campaign` below
+    ``if __name__ == "__main__":``. With threads, runs without Python callbacks run in parallel, and
+    other runs take turns.
 
     A dead process is replaced, and its runs are repeated; a run that ends its process at each
     attempt is recorded as failed. The same holds for a Dask client, whose nannies restart the

@@ -173,7 +173,7 @@ class CampaignSpec:
             raise
 
     def seed_of(self, run: int) -> np.random.SeedSequence:
-        """Return the seed of a run: the same in every case, for any number of runs.
+        """Return the seed of a run, which is the same for all cases of the campaign.
 
         Parameters
         ----------

@@ -52,7 +52,7 @@ class Problem:
         return self.line.text if self.line else ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the values by name in a dict, with the line as two texts: place and source."""
+        """Return the values by name in a dict; two texts, place and source, represent the line."""
         return {
             "kind": self.kind,
             "sentence": self.sentence,

@@ -74,8 +74,8 @@ class Report(ABC):
     def at_limit(self) -> bool | None:
         """Whether the verdict is at the limit; None = the verdict does not depend on chance.
 
-        A verdict is at the limit if a change of the decisive number by one standard deviation would
-        change the verdict. Other seeds may then give another verdict.
+        A verdict is at the limit if it would change when the decisive number moves by one standard
+        deviation. Other seeds may then give another verdict.
         """
         return None
 

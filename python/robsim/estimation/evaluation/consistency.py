@@ -138,12 +138,12 @@ class ConsistencyReport(Report):
     more. The standard errors come from the spread between the runs, which correlation in time does
     not affect. The verdict always uses the 95 % band, regardless of the displayed `level`.
 
-    A verdict is at the limit if a change of the share or of the mean by one standard error would
-    change the verdict. The standard error of the share comes from its autocorrelation in time. Over
-    20 runs, 1 to 10 % of correct filters are at the limit. For filters with a rejection rate of one
-    half, the percentage is 40 to 80 %. In the NIS test, 25 to 40 % of correct filters are at the
-    limit, since its limits are only 1.96 standard deviations away. ``./run study statistics``
-    measures all rates: tests/statistics/RESULTS.md.
+    A verdict is at the limit if it would change when the share or the mean moves by one standard
+    error. The standard error of the share comes from its autocorrelation in time. Over 20 runs, 1
+    to 10 % of correct filters are at the limit. For filters with a rejection rate of one half, the
+    percentage is 40 to 80 %. In the NIS test, 25 to 40 % of correct filters are at the limit, since
+    its limits are only 1.96 standard deviations away. ``./run study statistics`` measures all
+    rates: tests/statistics/RESULTS.md.
 
     The trials of this filter had four levels of process noise and 100 to 500 steps. Over 20 runs,
     the NEES test rejected 1 of 1200 correctly tuned filters. It rejected 4799 of 4800 filters whose

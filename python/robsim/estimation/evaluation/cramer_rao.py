@@ -173,9 +173,9 @@ def posterior_cramer_rao_bound(
 
         J(k) = (Q + F J(k-1)^-1 F')^-1 + H' R^-1 H
 
-    The bound is computed as P = J^-1, which allows a singular Q. For a linear system, P is the
-    covariance of the Kalman filter. For other systems the result is an approximation, not a strict
-    bound. Average over runs if the trajectories differ much.
+    The recursion computes P = J^-1 instead of J, so that Q may be singular. For a linear system, P
+    is the covariance of the Kalman filter. For other systems the result is an approximation, not a
+    strict bound. Average over runs if the trajectories differ much.
 
     Examples
     --------

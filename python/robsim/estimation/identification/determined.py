@@ -82,7 +82,7 @@ class Identifiability(Report):
 
     @property
     def are_at_limit(self) -> NDArray[np.bool_]:
-        """Whether each verdict changes within the `relative_range`, (3, 5)."""
+        """Array (3, 5): whether each verdict changes within the `relative_range`."""
         better, worse = map(_verdicts, self.relative_range)
         return np.asarray(better != worse)
 

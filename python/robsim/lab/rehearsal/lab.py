@@ -222,7 +222,7 @@ class SimulatedLab(Closing):
         self._laboratory.plug_in()
 
     def close(self) -> None:
-        """End the world and the motor line permanently; `truth` remains readable."""
+        """Shut down the simulated world and the motor line for good; `truth` remains readable."""
         self._end()
 
     def __repr__(self) -> str:

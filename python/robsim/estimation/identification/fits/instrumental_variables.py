@@ -40,12 +40,13 @@ def instrumental_variables(
 ) -> ModelFit:
     """Estimate the parameters of the robot model from measured poses by instruments.
 
-    Least squares is biased by the noise in its regressors. Here each regressor has an instrument,
-    which is uncorrelated with the noise: the same quantity, simulated from the inputs with the
-    current estimate. Samples and instruments are filtered so that the noise becomes white, and the
-    estimation is iterated. The fit uses the constraint a1 + a2 = 1, which holds for every robot.
-    Without this constraint, a parameter could fit noise, such as a drift of the measured path. Gaps
-    cost samples, since only consecutive poses are used; `output_error` bridges them.
+    Least squares is biased by the noise in its regressors. Here the instrument of each regressor is
+    the same quantity, simulated from the inputs with the current estimate. This instrument is
+    uncorrelated with the noise. Samples and instruments are filtered so that the noise becomes
+    white, and the estimation is iterated. The fit uses the constraint a1 + a2 = 1, which holds for
+    every robot. Without this constraint, a parameter could fit noise, such as a drift of the
+    measured path. Gaps cost samples, since only consecutive poses are used; `output_error` bridges
+    them.
 
     With measurement noise alone there is asymptotically no bias. Process noise increases the errors
     of the estimate. The residuals of `output_error` show the process noise, and the standard errors

@@ -60,7 +60,7 @@ def check_controller(
 
     The controller drives the default robot in a simulated world with a measured pose: from several
     positions and headings, at the wall, and for a long time. At times the robot is hidden, or is
-    not seen at first. The check does not know the goal. If the controller always steers for a
+    not seen at first. The check does not know the goal. If the steering always refers to a
     single position, the check reports this position, and whether the controller drives towards it
     or away. Otherwise the report has a remark.
 
