@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -42,8 +43,7 @@ def texts(figure: Figure) -> list[str]:
     """Return what stands in a figure, tick labels left out."""
     ticks = {
         label
-        for axes in figure.axes
-        for axis in (axes.xaxis, axes.yaxis)
+        for axis in figure.findobj(Axis)  # of secondary axes, too
         for label in (*axis.get_majorticklabels(), *axis.get_minorticklabels())
     }
     found = [text for text in figure.findobj(Text) if text not in ticks and text.get_visible()]

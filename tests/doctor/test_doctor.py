@@ -35,7 +35,7 @@ TEMPLATE = Path(robsim.__file__).with_name("simulation") / "templates" / "estima
 
 def test_the_template_of_a_state_estimator_examines_itself_and_is_well(capsys):
     runpy.run_path(str(TEMPLATE), run_name="__main__")
-    assert capsys.readouterr().out.startswith("LastPose passed all checks\n")
+    assert capsys.readouterr().out.startswith("LastPose passed all checks, with 2 remarks\n")
 
 
 def cv(**pieces):

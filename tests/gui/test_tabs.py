@@ -184,8 +184,8 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     for words in ("a1X", "2.1", "\u22120.4", "from 213 steps", "weak"):
         assert words in sheet
     far = [one.get_attribute("aria-label") for one in host.tab.locator(".robsim-deviation").all()]
-    assert far[0].startswith("Batch 2.0, online \u22122.0")
-    assert far[1].startswith("Batch \u22126.0, online \u2013")
+    assert far[0].endswith("batch 2.0, online \u22122.0")
+    assert far[1].endswith("batch \u22126.0, online \u2013")
     width = "image => image.decode().then(() => image.naturalWidth)"
     assert host.tab.locator(".robsim-result img").evaluate(width) == 90
 
