@@ -130,10 +130,10 @@ def _by_files(handed: Sequence[Handed], rules: Rules, dashes: int) -> dict[str, 
     """Return groups with the same files; the name of a group may have a "-", as in Team-1."""
     found: dict[str, list[Handed]] = {}
     for one in handed:
-        *group, _ = person(one.student).split("-")
-        if len(group) >= dashes:
-            found.setdefault("-".join(group[:dashes]), []).append(one)
-    groups = {}
+        *parts, _ = person(one.student).split("-")
+        if len(parts) >= dashes:
+            found.setdefault("-".join(parts[:dashes]), []).append(one)
+    groups: dict[str, list[Handed]] = {}
     for group, ones in found.items():
         if len(ones) > 1:
             same = _are_same(ones, rules)
