@@ -252,6 +252,27 @@ def test_finish_pauses_and_a_new_view_is_told_the_result_too():
         assert browser.all_of("result") == []
 
 
+def test_an_estimate_that_ends_after_reset_is_not_sent(monkeypatch):
+    inside, may_go_on = threading.Event(), threading.Event()
+
+    def slow(trace):
+        inside.set()
+        may_go_on.wait(300)
+        return robsim.batch_estimate(trace)
+
+    monkeypatch.setattr("robsim.gui.panels.analysis.result.batch_estimate", slow)
+    simulation = robsim.Simulation(seed=1, control=robsim.DriveAround())
+    simulation.run(40)
+    with panel_of(simulation) as (view, browser):
+        browser.press("finish")
+        assert inside.wait(300)
+        browser.press("reset")
+        browser.take("state", k=-1)
+        may_go_on.set()
+        view.settle()
+        assert browser.all_of("result") == []
+
+
 def test_the_panel_answers_while_it_is_estimated(monkeypatch):
     inside, may_go_on, calls = threading.Event(), threading.Event(), []
 

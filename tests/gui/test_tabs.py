@@ -190,6 +190,18 @@ def test_finish_is_offered_and_its_result_shown(tab_of):
     assert host.tab.locator(".robsim-result img").evaluate(width) == 90
 
 
+def test_reset_removes_the_result_of_the_old_run(tab_of):
+    host = tab_of("result")
+    rows = [["a1X", 2.0, 2.1, 0.05, 1.9]]
+    host.emit({"type": "result", "rows": rows, "text": "from 213 steps", "verdict": ""}, [])
+    host.tab.wait_for_selector("text=from 213 steps")
+    host.state(k=213, steps=214)
+    assert "from 213 steps" in host.tab.inner_text(".robsim-result")
+    host.state(k=-1, steps=0, resets=1)
+    assert "from 213 steps" not in host.tab.inner_text(".robsim-result")
+    assert host.tab.inner_text("button[name=finish_result]") == "Finish"
+
+
 def test_deviations_need_a_truth_and_what_differs_by_rounding_is_exact(tab_of):
     host = tab_of("result")
     rows = [["a1X", 1.9375, 1.9375 - 1e-13, 1e-15, 1.9375], ["d1X", 0.0, 0.1, 1e-15, 0.0]]

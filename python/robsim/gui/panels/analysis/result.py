@@ -131,7 +131,7 @@ class Result(Part):
         return seen, _told(report)
 
     def _take(self, result: tuple[Steps, Told] | None) -> None:
-        if result is not None:
+        if result is not None and result[0][0] == self.panel.record.n_resets:
             self._seen, self._newest = result
             message, pictures = self._newest
             self.panel.send({**message, "again": False}, *pictures)

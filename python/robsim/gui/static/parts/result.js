@@ -31,9 +31,14 @@ export function makeResult(context) {
     finish.disabled = false;
     finish.textContent = text(isFirst ? "result.begin" : "result.again");
   };
-  const why = make("p", text("result.none"));
-  const element = make("div.robsim-result", make("div.robsim-empty", why, finish));
+  const element = make("div.robsim-result");
   const forget = () => url && URL.revokeObjectURL(url);
+  const clear = () => {
+    finish.classList.add("robsim-primary");
+    rest();
+    const why = make("p", text("result.none"));
+    element.replaceChildren(make("div.robsim-empty", why, finish));
+  };
 
   const show = ({ rows, text: remarks, verdict, good }, [picture]) => {
     finish.classList.remove("robsim-primary");
@@ -48,6 +53,8 @@ export function makeResult(context) {
       element.append(make("p.robsim-result-remarks", { textContent: remarks }));
     if (url) element.append(make("img.robsim-surface", { src: url, alt: text("result.figure") }));
   };
+  clear();
+  context.on("reset", clear); // the result was of the old run
   context.on("result", show);
   context.on("note", ({ level }) => level == "error" && rest());
   context.on("state", ({ state }) => state == "failed" && rest());
