@@ -115,7 +115,7 @@ def wire():
 def ring():
     """The descriptor of the frames: one that can be mapped."""
     import mmap
-    for number in range(3, 4096):
+    for number in range(3, 65536):
         try:
             mmap.mmap(number, 4096, mmap.MAP_SHARED, mmap.PROT_READ)
         except (OSError, ValueError):
