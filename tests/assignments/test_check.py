@@ -163,6 +163,7 @@ def test_what_is_still_is_looked_at_before_anything_is_run(folder, cast):
     assert "estimate_state" in problems(folder)["sheet.md"]
 
 
+@pytest.mark.long
 def test_a_number_of_the_sheet_belongs_to_the_tests(folder, cast):
     cast("nothing")
     write_limits(folder, {})
